@@ -1,0 +1,67 @@
+// The octree: octants whose planes slide to where they cost least, cut once in x, y and z, children merged by cost.
+#pragma once
+#include <core/geometry/ray.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace rt::octree {
+
+using geometry::Crossing;
+using geometry::Hit;
+using geometry::Primitives;
+using geometry::Ray;
+
+struct BuildOptions {
+    std::uint32_t maxObjects = 8; // largest number of primitives in a cell that is not cut further
+    double minSize = 0;           // cells with all sides <= this are not cut, world units; 0: no limit
+    int threads = 0;              // 0: all that the process may use
+};
+
+struct Statistics {
+    std::uint64_t nodes = 0, leaves = 0, blocks = 0, bytes = 0;
+    std::uint32_t depth = 0;
+    std::vector<std::uint64_t> leafHistogram; // [n]: leaves with n primitives
+};
+
+/// Counters of one traversal thread; filled only by the counting twin of each query.
+struct Visits {
+    std::uint64_t nodes = 0, triangles = 0, spheres = 0, parallelograms = 0, customs = 0;
+};
+
+/// Immutable after build; queries are const and thread-safe. Results depend on the primitives alone: smallest t,
+/// equal t by lowest id, whatever the tree looks like.
+class Octree {
+public:
+    Octree();
+    ~Octree();
+    Octree(Octree&&) noexcept;
+    Octree& operator=(Octree&&) noexcept;
+
+    /// Keeps a reference to `primitives`, which must outlive the tree.
+    static Octree build(const Primitives& primitives, const BuildOptions& options = {});
+
+    /// Nearest hit in (0, ray.tMax).
+    Hit closest(const Ray& ray, Visits* visits = nullptr) const;
+    /// Is there any hit in (0, ray.tMax)?
+    bool occluded(const Ray& ray, Visits* visits = nullptr) const;
+    /// Every crossing in (0, ray.tMax), both sides of a sphere, by rising t then id, appended to `out`;
+    /// stops early and returns false as soon as `opaque[material]` is met.
+    bool crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials, std::vector<Crossing>& out,
+                   Visits* visits = nullptr) const;
+
+    Statistics statistics() const;
+    /// "avx512", "avx2" or "baseline": what this process runs.
+    static std::string_view simdLevel();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// The definition of every query: scalar, without a tree. Bit-equal to the octree's answers.
+Hit closestBruteForce(const Primitives& primitives, const Ray& ray);
+
+} // namespace rt::octree

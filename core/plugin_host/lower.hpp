@@ -1,0 +1,19 @@
+// A validated description to a world of primitives, materials and textures, through the plugins' own code.
+#pragma once
+#include <core/plugin_host/catalog.hpp>
+#include <core/scene/description.hpp>
+#include <core/world/world.hpp>
+
+#include <optional>
+
+namespace rt::plugin_host {
+
+struct LowerOptions {
+    bool allowMissing = false; // objects whose file is missing are left out, with a warning
+};
+
+/// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx limits).
+std::optional<world::World> lower(const scene::Description& description, Catalog& catalog,
+                                  scene::Diagnostics& diagnostics, const LowerOptions& options = {});
+
+} // namespace rt::plugin_host

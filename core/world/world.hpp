@@ -1,0 +1,20 @@
+// What lowering makes and tracing reads: geometry, materials, textures and the names to report them by.
+#pragma once
+#include <core/geometry/primitives.hpp>
+#include <core/material/material.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rt::world {
+
+struct World {
+    geometry::Primitives primitives;
+    std::vector<material::Material> materials;    // indexed by MaterialId
+    std::vector<std::string> materialNames;       // likewise
+    std::vector<std::shared_ptr<const material::Texture>> textures; // the scene's textures first, in its order
+    std::vector<std::string> objectNames;         // indexed by ObjectId
+};
+
+} // namespace rt::world
