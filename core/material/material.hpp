@@ -12,10 +12,7 @@ namespace rt::material {
 using numeric::LinearRgb;
 
 /// A texture plugin's state, evaluated at any point; destroyed with the last reference.
-struct Texture {
-    const rt_texture_type* type;
-    void* state;
-};
+using Texture = rt_texture;
 
 struct Material {
     LinearRgb color{1, 1, 1};

@@ -25,7 +25,7 @@ extern "C" {
 #define RT_ABI_MAGIC { 'r', 't', '-', 'p', 'l', 'u', 'g', '\0' }
 
 typedef int32_t rt_status;
-enum { RT_OK = 0, RT_FAILED = 1 };
+enum { RT_OK = 0, RT_FAILED = 1, RT_OUT_OF_MEMORY = 2 };
 
 /* ---- parameters ---------------------------------------------------------------------------------- */
 
@@ -43,7 +43,7 @@ enum {
     RT_INTEGER_LISTS /* [[i, j, k, ...], ...] */
 };
 
-/* What a number means. Angles are written with a unit (45deg, 1rad) and arrive in radians. */
+/* What a number means. Angles are written with a unit (45deg, 1rad) and arrive in radians; their limits are in degrees. */
 enum { RT_UNIT_NONE = 0, RT_UNIT_LENGTH, RT_UNIT_ANGLE, RT_UNIT_COUNT, RT_UNIT_RATIO, RT_UNIT_LINEAR_RGB };
 
 enum {
@@ -57,7 +57,8 @@ typedef struct rt_param {          /* frozen */
     const char *fallback;          /* default, as YAML text; NULL: required; "" on text or file: absent */
     const char *choices;           /* "flat|smooth" for RT_CHOICE, otherwise NULL                       */
     const char *doc;               /* one sentence                                                      */
-    double min, max;               /* limits in the unit the user writes; every number must be finite   */
+    double min, max;               /* limits of every number in the value, -INFINITY or INFINITY: none; */
+                                   /* angles in degrees; every number must be finite in any case        */
     uint32_t type, unit, flags, reserved;
 } rt_param;
 
@@ -67,16 +68,25 @@ typedef struct rt_list {           /* frozen */
     uint64_t size;                 /* entries                                                           */
 } rt_list;
 
+struct rt_texture_type;
+
+/* A texture of the scene, ready to be evaluated: type->evaluate(state, ...). */
+typedef struct rt_texture {        /* frozen */
+    const struct rt_texture_type *type;
+    void *state;
+} rt_texture;
+
 typedef union rt_value {           /* frozen */
     int64_t integer;               /* RT_BOOL, RT_INTEGER, RT_CHOICE (index)                            */
     double real;
     double vector[3];              /* RT_VECTOR3; RT_COLOR                                              */
     const char *text;              /* RT_TEXT, RT_FILE (absolute path); UTF-8; "" when absent           */
-    const struct rt_texture *texture; /* NULL when absent                                               */
+    const rt_texture *texture;     /* NULL when absent; lives longer than what is made from the values  */
     rt_list list;
 } rt_value;
 
-/* ---- geometry: object space, right-handed, counter-clockwise seen from outside -------------------- */
+/* ---- geometry: object space, right-handed, counter-clockwise seen from outside --------------------
+ * Spheres are solid, parallelograms are sheets, meshes and custom shapes say which. */
 
 enum {
     RT_SURFACE = 0, /* a sheet: light passes without entering anything            */
@@ -158,7 +168,7 @@ typedef struct rt_sink {           /* growable; every call copies its input */
 
 typedef struct rt_host {           /* growable */
     uint32_t struct_size, abi_minor;
-    /* Say why; parameter is an index into params, or -1. Always returns RT_FAILED. */
+    /* Say why; parameter is an index into params (the value is wrong), or -1. Always returns RT_FAILED. */
     rt_status (*fail)(const struct rt_host *, int32_t parameter, const char *message);
     /* Something the user should know and that is no error: repairs, things ignored. One sentence. */
     void (*note)(const struct rt_host *, const char *message);
@@ -190,6 +200,7 @@ typedef struct rt_surface_point {  /* frozen */
 typedef struct rt_texture_type {   /* growable */
     uint32_t struct_size, param_count;
     const rt_param *params;
+    /* [setup] On RT_OK the host owns *state and destroys it once. */
     rt_status (*create)(const rt_host *, const rt_value *values, void **state);
     /* [render] linear Rec. 709, 3 per point. */
     void (*evaluate)(const void *state, const rt_surface_point *, uint32_t count, double *rgb);
@@ -214,7 +225,7 @@ typedef struct rt_module {         /* growable after the stamp */
 #define RT_ABI_LAYOUT \
     ((uint32_t)(sizeof(rt_param) + 31u * offsetof(rt_param, type) + 131u * sizeof(rt_value) + 523u * sizeof(rt_list) \
     + 1031u * sizeof(rt_ray) + 2053u * offsetof(rt_ray, direction) + 5003u * sizeof(rt_hit) + 7001u * offsetof(rt_hit, uv) \
-    + 10007u * sizeof(rt_parallelogram) + 13007u * sizeof(rt_sphere) + 20011u * sizeof(rt_surface_point) \
+    + 9001u * sizeof(rt_texture) + 10007u * sizeof(rt_parallelogram) + 13007u * sizeof(rt_sphere) + 20011u * sizeof(rt_surface_point) \
     + 40009u * offsetof(rt_module, shape)))
 
 /* Does this growable struct, as its maker compiled it, have this member? */
