@@ -91,6 +91,7 @@ struct PointLight {
     std::string name;
     Vec3 position{0};
     LinearRgb color{1, 1, 1};
+    double brightness = 1; // multiplies color; >= 0
 };
 
 struct Material {

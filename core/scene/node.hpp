@@ -23,6 +23,7 @@ struct Node {
 
     std::vector<std::string> commentsBefore; // writer: lines without '#', above the node
     std::string commentAfter;                // writer: on the node's line
+    std::vector<std::string> commentsAtEnd;  // writer: below the last item or member, indented like it
 
     const Node* find(std::string_view key) const; // map member's value, or nullptr
 };
