@@ -14,6 +14,10 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Bound on the relative error of n rounded operations in a row: n·u / (1 − n·u) [Higham 2002, lemma 3.1].
 constexpr double gamma(int n) { return n * kUnitRoundoff / (1 - n * kUnitRoundoff); }
 
+/// A rotation's entries carry at most 8 roundings (axis normalised, sine and cosine within 1 ulp, two products, a sum);
+/// their Gram matrix doubles that. Four such factors in a row are still a rotation to us.
+inline constexpr double kSimilarityError = gamma(64);
+
 inline double nextUp(double x) { return std::nextafter(x, kInfinity); }
 inline double nextDown(double x) { return std::nextafter(x, -kInfinity); }
 

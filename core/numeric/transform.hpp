@@ -1,6 +1,9 @@
 // Affine maps, named destination-from-source. Points, directions and normals are three verbs.
 #pragma once
+#include <core/numeric/rounding.hpp>
 #include <core/numeric/vec.hpp>
+
+#include <optional>
 
 namespace rt::numeric {
 
@@ -10,8 +13,44 @@ struct AffineTransform {
 
     Vec3 point(const Vec3& p) const { return linear * p + translation; }
     Vec3 direction(const Vec3& d) const { return linear * d; }
+    /// By the inverse transpose up to a positive factor: outward stays outward, under a mirror too.
+    /// Not unit.
+    Vec3 normal(const Vec3& n) const {
+        const Vec3 image = cofactors() * n;
+        return determinant() < 0 ? -image : image;
+    }
+    double determinant() const { return dot(linear[0], cross(linear[1], linear[2])); }
+    /// Precondition: determinant() is not 0.
+    AffineTransform inverse() const {
+        const Mat3 back = glm::transpose(cofactors()) * (1 / determinant());
+        return {back, -(back * translation)};
+    }
+    /// By how much a similarity scales lengths; nothing for any other map. The columns of a product
+    /// of rotations may differ from orthogonal by kSimilarityError.
+    std::optional<double> similarityScale() const;
     bool isIdentity() const { return linear == Mat3(1.0) && translation == Vec3(0.0); }
+
+private:
+    Mat3 cofactors() const {
+        return {cross(linear[1], linear[2]), cross(linear[2], linear[0]),
+                cross(linear[0], linear[1])};
+    }
 };
+
+inline std::optional<double> AffineTransform::similarityScale() const {
+    const double xx = lengthSquared(linear[0]), yy = lengthSquared(linear[1]),
+                 zz = lengthSquared(linear[2]);
+    const double mean = (xx + yy + zz) / 3, slack = kSimilarityError * mean;
+    const auto near = [&](double a, double b) { return std::fabs(a - b) <= slack; };
+    if (!near(xx, yy) || !near(yy, zz) || !near(zz, xx) || !near(dot(linear[0], linear[1]), 0) ||
+        !near(dot(linear[1], linear[2]), 0) || !near(dot(linear[2], linear[0]), 0))
+        return {};
+    const double scale = std::fabs(linear[0].x);
+    if (abs(linear[0]) == Vec3(scale, 0, 0) && abs(linear[1]) == Vec3(0, scale, 0) &&
+        abs(linear[2]) == Vec3(0, 0, scale))
+        return scale; // exactly
+    return std::sqrt(mean);
+}
 
 inline AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
     return {a.linear * b.linear, a.linear * b.translation + a.translation};

@@ -10,19 +10,21 @@
 namespace rt::plugin_host {
 
 struct ModuleInfo {
-    std::string name;                // stem of the file
+    std::string name; // stem of the file
     std::filesystem::path path;
     const rt_module* module = nullptr; // none: refused
-    std::string refusal;             // a sentence
+    std::string refusal;               // a sentence
 };
 
 class Catalog final : public scene::TypeCatalog {
 public:
-    /// Folders are searched in this order; a name that two of them claim is an error that names both files.
+    /// Folders are searched in this order; a name that two of them claim is an error that names
+    /// both files.
     explicit Catalog(std::vector<std::filesystem::path> folders);
     ~Catalog() override;
 
-    std::variant<scene::TypeRows, scene::TypeRefusal> find(scene::TypeKind kind, std::string_view name) override;
+    std::variant<scene::TypeRows, scene::TypeRefusal> find(scene::TypeKind kind,
+                                                           std::string_view name) override;
     std::vector<std::string> names(scene::TypeKind kind) override;
     std::string loaderFor(std::string_view lowerCaseSuffix) override;
 

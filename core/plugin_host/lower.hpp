@@ -1,4 +1,5 @@
-// A validated description to a world of primitives, materials and textures, through the plugins' own code.
+// A validated description to a world of primitives, materials and textures, through the plugins'
+// own code.
 #pragma once
 #include <core/plugin_host/catalog.hpp>
 #include <core/scene/description.hpp>
@@ -12,8 +13,10 @@ struct LowerOptions {
     bool allowMissing = false; // objects whose file is missing are left out, with a warning
 };
 
-/// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx limits).
+/// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx
+/// limits).
 std::optional<world::World> lower(const scene::Description& description, Catalog& catalog,
-                                  scene::Diagnostics& diagnostics, const LowerOptions& options = {});
+                                  scene::Diagnostics& diagnostics,
+                                  const LowerOptions& options = {});
 
 } // namespace rt::plugin_host

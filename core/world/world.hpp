@@ -1,4 +1,5 @@
-// What lowering makes and tracing reads: geometry, materials, textures and the names to report them by.
+// What lowering makes and tracing reads: geometry, materials, textures and the names to report them
+// by.
 #pragma once
 #include <core/geometry/primitives.hpp>
 #include <core/material/material.hpp>
@@ -9,12 +10,17 @@
 
 namespace rt::world {
 
+using numeric::AffineTransform;
+
 struct World {
     geometry::Primitives primitives;
-    std::vector<material::Material> materials;    // indexed by MaterialId
-    std::vector<std::string> materialNames;       // likewise
-    std::vector<std::shared_ptr<const material::Texture>> textures; // the scene's textures first, in its order
-    std::vector<std::string> objectNames;         // indexed by ObjectId
+    std::vector<material::Material> materials; // indexed by MaterialId
+    std::vector<std::string> materialNames;    // likewise
+    std::vector<std::shared_ptr<const material::Texture>>
+        textures;                         // the scene's textures first, in its order
+    std::vector<std::string> objectNames; // indexed by ObjectId
+    std::vector<AffineTransform>
+        objectFromWorld; // likewise; for rt_surface_point and the uv of turned spheres
 };
 
 } // namespace rt::world
