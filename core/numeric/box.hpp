@@ -1,4 +1,5 @@
-// Axis-aligned boxes. f64 boxes bound shapes; f32 boxes only prune, and are made by rounding outward.
+// Axis-aligned boxes. f64 boxes bound shapes; f32 boxes only prune, and are made by rounding
+// outward.
 #pragma once
 #include <core/numeric/rounding.hpp>
 #include <core/numeric/vec.hpp>

@@ -9,8 +9,12 @@ struct LinearRgb {
     double r = 0, g = 0, b = 0;
 
     static constexpr LinearRgb grey(double v) { return {v, v, v}; }
-    constexpr LinearRgb& operator+=(const LinearRgb& o) { return r += o.r, g += o.g, b += o.b, *this; }
-    constexpr LinearRgb& operator*=(const LinearRgb& o) { return r *= o.r, g *= o.g, b *= o.b, *this; }
+    constexpr LinearRgb& operator+=(const LinearRgb& o) {
+        return r += o.r, g += o.g, b += o.b, *this;
+    }
+    constexpr LinearRgb& operator*=(const LinearRgb& o) {
+        return r *= o.r, g *= o.g, b *= o.b, *this;
+    }
     constexpr LinearRgb& operator*=(double s) { return r *= s, g *= s, b *= s, *this; }
     friend constexpr LinearRgb operator+(LinearRgb a, const LinearRgb& b) { return a += b; }
     friend constexpr LinearRgb operator*(LinearRgb a, const LinearRgb& b) { return a *= b; }

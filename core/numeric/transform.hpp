@@ -1,5 +1,6 @@
 // Affine maps, named destination-from-source. Points, directions and normals are three verbs.
 #pragma once
+#include <core/numeric/angle.hpp>
 #include <core/numeric/rounding.hpp>
 #include <core/numeric/vec.hpp>
 
@@ -25,7 +26,8 @@ struct AffineTransform {
         const Mat3 back = glm::transpose(cofactors()) * (1 / determinant());
         return {back, -(back * translation)};
     }
-    /// By how much a similarity scales lengths; nothing for any other map. The columns of a product
+    /// By how much a similarity scales lengths; nothing for any other map or the zero map.
+    /// The columns of a product
     /// of rotations may differ from orthogonal by kSimilarityError.
     std::optional<double> similarityScale() const;
     bool isIdentity() const { return linear == Mat3(1.0) && translation == Vec3(0.0); }
@@ -42,8 +44,9 @@ inline std::optional<double> AffineTransform::similarityScale() const {
                  zz = lengthSquared(linear[2]);
     const double mean = (xx + yy + zz) / 3, slack = kSimilarityError * mean;
     const auto near = [&](double a, double b) { return std::fabs(a - b) <= slack; };
-    if (!near(xx, yy) || !near(yy, zz) || !near(zz, xx) || !near(dot(linear[0], linear[1]), 0) ||
-        !near(dot(linear[1], linear[2]), 0) || !near(dot(linear[2], linear[0]), 0))
+    if (!(mean > 0) || !near(xx, yy) || !near(yy, zz) || !near(zz, xx) ||
+        !near(dot(linear[0], linear[1]), 0) || !near(dot(linear[1], linear[2]), 0) ||
+        !near(dot(linear[2], linear[0]), 0))
         return {};
     const double scale = std::fabs(linear[0].x);
     if (abs(linear[0]) == Vec3(scale, 0, 0) && abs(linear[1]) == Vec3(0, scale, 0) &&
@@ -55,5 +58,9 @@ inline std::optional<double> AffineTransform::similarityScale() const {
 inline AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
     return {a.linear * b.linear, a.linear * b.translation + a.translation};
 }
+
+/// Right-handed turn about the axis through the origin; `axis` of any finite length but 0. Through
+/// `numeric`'s own sine and cosine: same bits on every CPU.
+AffineTransform rotation(const Vec3& axis, Radians angle);
 
 } // namespace rt::numeric

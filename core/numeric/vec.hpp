@@ -1,4 +1,5 @@
-// Three- and two-component f64 vectors. The only file that includes GLM; `numeric` re-exports what the program uses.
+// Three- and two-component f64 vectors. The only file that includes GLM; `numeric` re-exports what
+// the program uses.
 #pragma once
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -28,6 +29,8 @@ inline Vec3 componentMin(const Vec3& a, const Vec3& b) {
 inline Vec3 componentMax(const Vec3& a, const Vec3& b) {
     return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
 }
-inline bool isFinite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool isFinite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 } // namespace rt::numeric

@@ -1,0 +1,21 @@
+// Every tolerance of the tests, each with the reason for its size. u = 2^-53.
+#pragma once
+#include <core/numeric/rounding.hpp>
+
+namespace rt::tolerance {
+
+/// Elementary functions: the bound that elementary.cpp derives, in units in the last place of the
+/// exact value.
+inline constexpr double kElementaryUlps = 1;
+/// What the derivation leaves beyond the last rounding (sine's 0.35 u and tan's 0.45 u are the
+/// largest).
+inline constexpr double kElementaryUlpsDerived = 0.96;
+
+/// IEC 61966-2-1 rounds its constants: the two branches of the curve miss each other by up
+/// to 2.9e-8 (encoded).
+inline constexpr double kSrgbBranchGap = 3e-8;
+
+/// Relative error of a short chain of n rounded operations.
+inline double roundings(int n) { return numeric::gamma(n); }
+
+} // namespace rt::tolerance
