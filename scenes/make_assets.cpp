@@ -60,11 +60,13 @@ std::string knot(std::uint32_t along, std::uint32_t around) {
     };
     constexpr double kTube = 0.13;
     ObjText obj;
-    obj.comment("(2, 3) torus knot, " + std::to_string(along * around) + " quads; made by scenes/make_assets.cpp");
+    obj.comment("(2, 3) torus knot, " + std::to_string(along * around) +
+                " quads; made by scenes/make_assets.cpp");
     const double height = 0.25 + kTube;
     for (std::uint32_t i = 0; i < along; ++i) {
         const double t = kTau * i / along, step = kTau / (64.0 * along);
-        const Vec3 here = curve(t), tangent = rt::numeric::normalize(curve(t + step) - curve(t - step));
+        const Vec3 here = curve(t),
+                   tangent = rt::numeric::normalize(curve(t + step) - curve(t - step));
         const Vec3 side = rt::numeric::normalize(rt::numeric::cross(tangent, Vec3(0, 0, 1)));
         const Vec3 up = rt::numeric::cross(side, tangent);
         for (std::uint32_t k = 0; k < around; ++k) {
@@ -95,11 +97,13 @@ std::string gem() {
             obj.line("v", {c.x, c.y, z});
         }
     };
-    obj.line("v", {0, 0, 0});  // 0: culet
-    ring(0.5, 0.43, 0);        // 1..: lower girdle
-    ring(0.5, 0.46, 0);        // upper girdle
-    ring(0.28, 0.62, 0.5);     // table
-    const auto v = [](std::uint32_t ringIndex, std::uint32_t k) { return 1 + ringIndex * kSides + k % kSides; };
+    obj.line("v", {0, 0, 0}); // 0: culet
+    ring(0.5, 0.43, 0);       // 1..: lower girdle
+    ring(0.5, 0.46, 0);       // upper girdle
+    ring(0.28, 0.62, 0.5);    // table
+    const auto v = [](std::uint32_t ringIndex, std::uint32_t k) {
+        return 1 + ringIndex * kSides + k % kSides;
+    };
     for (std::uint32_t k = 0; k < kSides; ++k) {
         obj.face({0, v(0, k + 1), v(0, k)}, "#");
         obj.face({v(0, k), v(0, k + 1), v(1, k + 1), v(1, k)}, "#");
@@ -115,7 +119,8 @@ std::string gem() {
 
 /// Lattice value in [0, 1) from a hash; the lattice repeats every `period` cells in x.
 double lattice(std::int64_t x, std::int64_t y, std::int64_t period) {
-    std::uint64_t h = std::uint64_t((x % period + period) % period) * 0x9E3779B97F4A7C15u ^ std::uint64_t(y) * 0xC2B2AE3D27D4EB4Fu;
+    std::uint64_t h = std::uint64_t((x % period + period) % period) * 0x9E3779B97F4A7C15u ^
+                      std::uint64_t(y) * 0xC2B2AE3D27D4EB4Fu;
     h = (h ^ (h >> 31)) * 0xD6E8FEB86659FD93u;
     h = (h ^ (h >> 32)) * 0xD6E8FEB86659FD93u;
     return double((h ^ (h >> 29)) >> 11) / 9007199254740992.0;
@@ -146,12 +151,14 @@ double step(double low, double high, double x) {
 }
 
 /// Binary PPM of sRGB-encoded values; u runs right, v down, both in (0, 1).
-std::string ppm(std::uint32_t width, std::uint32_t height, const std::function<Vec3(double u, double v)>& color) {
+std::string ppm(std::uint32_t width, std::uint32_t height,
+                const std::function<Vec3(double u, double v)>& color) {
     std::string text = "P6\n" + std::to_string(width) + ' ' + std::to_string(height) + "\n255\n";
     for (std::uint32_t y = 0; y < height; ++y)
         for (std::uint32_t x = 0; x < width; ++x) {
             const Vec3 c = color((x + 0.5) / width, (y + 0.5) / height);
-            for (int k = 0; k < 3; ++k) text += char(std::uint8_t(std::nearbyint(255 * std::fmin(1, std::fmax(0, c[k])))));
+            for (int k = 0; k < 3; ++k)
+                text += char(std::uint8_t(std::nearbyint(255 * std::fmin(1, std::fmax(0, c[k])))));
         }
     return text;
 }
@@ -159,16 +166,19 @@ std::string ppm(std::uint32_t width, std::uint32_t height, const std::function<V
 /// An evening sky, lat-long: zenith at the top, horizon in the middle, haze and water below.
 Vec3 sky(double u, double v) {
     const double height = 1 - 2 * v; // 1 zenith, 0 horizon, -1 nadir
-    const Vec3 zenith{0.16, 0.30, 0.58}, high{0.45, 0.62, 0.83}, glow{0.98, 0.80, 0.62}, ground{0.34, 0.33, 0.36};
+    const Vec3 zenith{0.16, 0.30, 0.58}, high{0.45, 0.62, 0.83}, glow{0.98, 0.80, 0.62},
+        ground{0.34, 0.33, 0.36};
     if (height < 0) return mix(mix(glow, ground, 0.75), ground * 0.6, step(0, 0.5, -height));
     Vec3 c = mix(mix(glow, high, step(0, 0.28, height)), zenith, step(0.2, 0.95, height));
-    const double dx = std::fmin(std::fabs(u - 0.62), 1 - std::fabs(u - 0.62)) * 2, dy = height - 0.22;
+    const double dx = std::fmin(std::fabs(u - 0.62), 1 - std::fabs(u - 0.62)) * 2,
+                 dy = height - 0.22;
     const double sun = dx * dx + dy * dy;
     c += Vec3(1.0, 0.85, 0.6) * (0.55 / (1 + 60 * sun));
-    c = mix(c, Vec3(1.0, 0.97, 0.9), 1 - step(0.0012, 0.0022, sun));
     const double cloud = fractalNoise(u * 12, v * 26, 12, 6);
-    const double cover = step(0.50, 0.72, cloud) * step(0.02, 0.14, height) * (1 - 0.6 * step(0.6, 1, height));
-    return mix(c, mix(Vec3(1.0, 0.92, 0.86), Vec3(0.80, 0.80, 0.86), step(0.6, 0.85, cloud)), 0.85 * cover);
+    const double cover =
+        step(0.50, 0.72, cloud) * step(0.02, 0.14, height) * (1 - 0.6 * step(0.6, 1, height));
+    return mix(c, mix(Vec3(1.0, 0.92, 0.86), Vec3(0.80, 0.80, 0.86), step(0.6, 0.85, cloud)),
+               0.85 * cover);
 }
 
 /// Veined stone that repeats in u and, closely enough for a floor of large slabs, in v.
@@ -176,7 +186,8 @@ Vec3 marble(double u, double v) {
     const double warp = fractalNoise(u * 6, v * 6, 6, 5);
     const double vein = std::fabs(rt::numeric::sin(kTau * (u + v + 1.6 * warp)));
     const double sharp = step(0, 0.35, vein);
-    return mix(Vec3(0.42, 0.34, 0.30), mix(Vec3(0.93, 0.90, 0.85), Vec3(0.80, 0.78, 0.76), warp), sharp);
+    return mix(Vec3(0.42, 0.34, 0.30), mix(Vec3(0.93, 0.90, 0.85), Vec3(0.80, 0.78, 0.76), warp),
+               sharp);
 }
 
 void write(const std::filesystem::path& path, const std::string& bytes) {
