@@ -1,8 +1,10 @@
-// What the program has to say about the user's files: a place, a sentence, a suggestion, an exit code.
+// What the program has to say about the user's files: a place, a sentence, a suggestion, an exit
+// code.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rt::scene {
@@ -19,8 +21,9 @@ struct Location {
     std::uint32_t line = 0, column = 0;
 };
 
-/// E0<exit><nn>: the second digit is the exit code that the error ends the program with (0 for notes and warnings).
-/// E0312 is explained by `rt explain E0312`, whose texts stand in core/scene/explanations.cpp.
+/// E0<exit><nn>: the second digit is the exit code that the error ends the program with (0 for
+/// notes and warnings). E0312 is explained by `rt explain E0312`, whose texts stand in
+/// core/scene/explanations.cpp.
 enum class Code : std::uint16_t {};
 
 enum class Severity : std::uint8_t { note, warning, error };
@@ -47,16 +50,25 @@ public:
     const std::vector<Diagnostic>& all() const { return all_; }
     /// Exit code of the first error, or 0.
     int exitCode() const;
+    /// By file (in order of first appearance), line and column; equal places keep their order.
+    void sortByPlace();
 
 private:
     std::vector<Diagnostic> all_;
     std::size_t errorCount_ = 0;
+    int exitCode_ = 0;
 };
 
 /// `scene.yaml:12:7: error[E0312]: sentence; did you mean 'radius'?`, the source line and a caret.
+/// Ends with a newline.
 std::string format(const Diagnostic& diagnostic, bool colour);
 
-/// The nearest of `candidates` within a Damerau-Levenshtein distance of 2 (and below half the word), or "".
+/// One JSON object on one line, without a newline: file, line, column, severity, code, message,
+/// suggestion.
+std::string formatJson(const Diagnostic& diagnostic);
+
+/// The nearest of `candidates` within a Damerau-Levenshtein distance of 2 (and below half the
+/// word), or "".
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 /// "'x'" with control characters and invalid UTF-8 escaped, cut to 60 characters.
