@@ -85,6 +85,10 @@ struct Background {
     Mapping mapping = Mapping::hemisphere;
     Vec3 center{0};    // legacyHemisphere
     double radius = 0; // legacyHemisphere
+
+    /// Of a cross-fade: texture * (1 - share) + this one * share. Set by animation, never by a file.
+    struct Fade { std::uint32_t texture; double share; };
+    std::optional<Fade> fade;
 };
 
 struct PointLight {

@@ -21,6 +21,11 @@ struct World {
     std::vector<std::string> objectNames; // indexed by ObjectId
     std::vector<AffineTransform>
         objectFromWorld; // likewise; for rt_surface_point and the uv of turned spheres
+
+    geometry::Vec3 objectPoint(geometry::ObjectId object, const geometry::Vec3& worldPoint) const {
+        const auto i = static_cast<std::uint32_t>(object);
+        return i < objectFromWorld.size() ? objectFromWorld[i].point(worldPoint) : worldPoint;
+    }
 };
 
 } // namespace rt::world

@@ -205,6 +205,9 @@ typedef struct rt_texture_type {   /* growable */
     /* [render] linear Rec. 709, 3 per point. */
     void (*evaluate)(const void *state, const rt_surface_point *, uint32_t count, double *rgb);
     void (*destroy)(void *state);
+    /* [setup] width and height in texels; texel (column, row), row 0 on top, has its middle at
+     * uv ((column + 0.5) / width, 1 - (row + 0.5) / height). NULL: there are no texels. */
+    void (*resolution)(const void *state, uint32_t size[2]);
 } rt_texture_type;
 
 typedef struct rt_module {         /* growable after the stamp */

@@ -566,6 +566,17 @@ template <const auto& P, auto Create> struct TextureOf {
         }
     }
     static void destroy(void* state) noexcept { delete static_cast<State*>(state); }
+
+    /// Textures made of texels say how many: std::array<std::uint32_t, 2> resolution() const.
+    static constexpr auto resolution() -> void (*)(const void*, std::uint32_t*) {
+        if constexpr (requires(const State& s) { std::array<std::uint32_t, 2>(s.resolution()); })
+            return [](const void* state, std::uint32_t* size) {
+                const std::array<std::uint32_t, 2> r = static_cast<const State*>(state)->resolution();
+                size[0] = r[0], size[1] = r[1];
+            };
+        else
+            return nullptr;
+    }
 };
 
 constexpr rt_module module(const char* name, const char* version, const char* doc,
@@ -602,7 +613,8 @@ constexpr rt_module module(const char* name, const char* version, const char* do
     constexpr rt_texture_type kRtTexture{                                                          \
         sizeof(rt_texture_type), static_cast<std::uint32_t>(kRtRows.size()),                       \
         kRtRows.data(),          &RtTexture::create,                                               \
-        &RtTexture::evaluate,    &RtTexture::destroy};                                             \
+        &RtTexture::evaluate,    &RtTexture::destroy,                                              \
+        RtTexture::resolution()};                                                                  \
     }                                                                                              \
     extern "C" RT_EXPORT constexpr rt_module rt_plugin_entry =                                     \
         rt::detail::module(NAME, VERSION, DOC, EXAMPLE, nullptr, &kRtTexture, nullptr);
