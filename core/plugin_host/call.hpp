@@ -1,0 +1,50 @@
+// One call into a plugin: what the host tells it, what it may ask, and where its complaints go.
+#pragma once
+#include <core/scene/description.hpp>
+#include <rt/plugin.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace rt::plugin_host {
+
+// The numbers of the diagnostics of lowering; core/scene/explanations.cpp explains each.
+inline constexpr scene::Code kValueRefused{348}; // a plugin cannot use a value of the scene
+inline constexpr scene::Code kTextureCycle{349}; // textures that need each other
+inline constexpr scene::Code kNoSuchFile{401};
+inline constexpr scene::Code kNotReadable{402};
+inline constexpr scene::Code kMeshFile{420};     // a loader cannot use the file
+inline constexpr scene::Code kImageFile{450};    // a texture cannot use the file
+inline constexpr scene::Code kPluginType{501};   // a type that lowering itself needs cannot be had
+inline constexpr scene::Code kPluginFailed{530}; // failed, and no value of the scene is to blame
+inline constexpr scene::Code kPluginThrew{531};  // an exception crossed the boundary
+inline constexpr scene::Code kBadGeometry{
+    532}; // emitted geometry that breaks the rules of plugin.h
+inline constexpr scene::Code kTooManyPrimitives{701};
+inline constexpr scene::Code kTooFarOut{702}; // a coordinate beyond kLargestCoordinate
+inline constexpr scene::Code kNoMemory{703};
+
+class Lowering;
+
+struct Call {
+    rt_host host; // first, so that a plugin's pointer to it is a pointer to the call
+    Lowering* lowering;
+    scene::Diagnostics* diagnostics;
+    std::string subject; // "shape 'torus'"
+    std::span<const rt_param> rows;
+    const std::vector<scene::Value>* values;
+    scene::Location location; // for complaints about no value in particular
+    const scene::Object*
+        object;            // whose loader may be asked; none: a texture's or loader's own call
+    scene::Code fileCode;  // for complaints about a file
+    scene::Code otherCode; // for complaints about no value
+    bool failed = false;
+
+    void refuse(scene::Code code, std::string_view message) {
+        diagnostics->error(code, location, subject + ": " + std::string(message));
+        failed = true;
+    }
+};
+
+} // namespace rt::plugin_host
