@@ -94,7 +94,7 @@ std::string whyUnusable(const rt_module& module, std::string_view stem) {
         return whyRowsAreWrong(shape->params, shape->param_count, true);
     }
     if (const rt_texture_type* texture = module.texture) {
-        if (!RT_HAS(texture, rt_texture_type, destroy) ||
+        if (!RT_HAS(texture, rt_texture_type, resolution) ||
             !hasRows(texture->param_count, texture->params) || texture->create == nullptr ||
             texture->evaluate == nullptr || texture->destroy == nullptr)
             return incomplete;

@@ -103,6 +103,10 @@ public:
                (texel(i, j + 1) * (1 - right) + texel(i + 1, j + 1) * right) * down;
     }
 
+    std::array<std::uint32_t, 2> resolution() const {
+        return {static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_)};
+    }
+
 private:
     /// In [0, 1]; what is no number is 0.
     static double place(double coordinate, bool repeats) {
