@@ -15,13 +15,25 @@ enum class WindowOrder : std::uint8_t { automatic, widthHeight, heightWidth };
 struct InfOptions {
     bool lenient = false; // the original's forgiving rules; each use is a note
     WindowOrder windowOrder = WindowOrder::automatic;
-    std::string moviePath;    // overrides the scene's `movie`
+    std::string moviePath;    // overrides the scene's `movie`; relative to the current folder
     std::string outputFolder; // relative paths are re-based to it; empty: the scene's own folder
     /// Faces of an OBJ as the original counts them (one per `f` line); nothing when the file cannot be read.
+    /// Empty: the converter reads the file itself.
     std::function<std::optional<std::uint64_t>(const std::string& path)> countFaces;
 };
 
-/// The scene as one document, animation included, or nothing when `diagnostics` has gained an error.
-std::optional<scene::Node> convertInf(const std::string& path, const InfOptions& options, scene::Diagnostics& diagnostics);
+/// The scene as one document, animation included, or nothing when `diagnostics` has gained an error: E0201 a movie
+/// file, E0380 to E0396 what is wrong in the files, E0400 to E0410 files that cannot be read. Decisions and changed
+/// behaviour are notes. Every node has the place in the legacy file that it comes from.
+std::optional<scene::Node> convertInf(const std::string& path, const InfOptions& options,
+                                      scene::Diagnostics& diagnostics);
+
+/// The same for a file that is in memory already; `path` is where it would be.
+std::optional<scene::Node> convertInfText(const std::string& path, std::string bytes,
+                                          const InfOptions& options,
+                                          scene::Diagnostics& diagnostics);
+
+/// Is it a movie file, which is converted with the scene that names it? False for files that cannot be read.
+bool isMovieFile(const std::string& path);
 
 } // namespace rt::converters
