@@ -14,10 +14,14 @@ using geometry::Hit;
 using geometry::Primitives;
 using geometry::Ray;
 
+/// Which compiled copy of the queries runs. All give the same bits.
+enum class Simd : std::uint8_t { best, baseline, avx2, avx512 };
+
 struct BuildOptions {
     std::uint32_t maxObjects = 8; // largest number of primitives in a cell that is not cut further
-    double minSize = 0;           // cells with all sides <= this are not cut, world units; 0: no limit
-    int threads = 0;              // 0: all that the process may use
+    double minSize = 0;     // cells with all sides <= this are not cut, world units; 0: no limit
+    int threads = 0;        // 0: all that the process may use
+    Simd simd = Simd::best; // best: what RT_SIMD asks for, or else the widest that this CPU has
 };
 
 struct Statistics {
@@ -48,13 +52,20 @@ public:
     /// Is there any hit in (0, ray.tMax)?
     bool occluded(const Ray& ray, Visits* visits = nullptr) const;
     /// Every crossing in (0, ray.tMax), both sides of a sphere, by rising t then id, appended to `out`;
-    /// stops early and returns false as soon as `opaque[material]` is met.
-    bool crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials, std::vector<Crossing>& out,
-                   Visits* visits = nullptr) const;
+    /// stops early and returns false as soon as `opaque[material]` is met, and then appends nothing.
+    /// A ray through an edge or a corner of a mesh crosses one of the triangles around it.
+    bool crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
+                   std::vector<Crossing>& out, Visits* visits = nullptr) const;
+
+    /// As closest, but every block of every leaf is tested, without the nodes: for tests.
+    Hit closestWithoutTree(const Ray& ray) const;
 
     Statistics statistics() const;
     /// "avx512", "avx2" or "baseline": what this process runs.
+    /// Throws std::invalid_argument if RT_SIMD names another, or one that this CPU does not have.
     static std::string_view simdLevel();
+    /// Does this CPU have it?
+    static bool supports(Simd simd);
 
 private:
     struct Impl;
@@ -63,5 +74,8 @@ private:
 
 /// The definition of every query: scalar, without a tree. Bit-equal to the octree's answers.
 Hit closestBruteForce(const Primitives& primitives, const Ray& ray);
+bool occludedBruteForce(const Primitives& primitives, const Ray& ray);
+/// Every crossing, also of opaque materials, by rising t then id.
+std::vector<Crossing> crossingsBruteForce(const Primitives& primitives, const Ray& ray);
 
 } // namespace rt::octree

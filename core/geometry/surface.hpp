@@ -1,0 +1,41 @@
+// The exact point of a hit, and the one way off a surface.
+#pragma once
+#include <core/geometry/ray.hpp>
+
+namespace rt::geometry {
+
+/// A point on a primitive. World space.
+struct Surface {
+    Vec3 position; // re-projected onto the primitive
+    double error;  // bound on the distance between position and the primitive, along the normal
+    Vec3 geometricNormal; // unit, outward; never turned toward the ray
+    Vec3 shadingNormal;   // unit; interpolated where the mesh has normals, else geometricNormal
+    Vec2 uv; // triangle: its uvs, else the weights of corners 1 and 2; sphere: longitude
+             // and latitude about z, from 0 to 1; parallelogram: along its edges
+    const Segment* segment;
+    PrimitiveId id;
+    ObjectId object;
+    MaterialId material;
+    std::uint32_t sourceFace; // number of the face in the mesh's file; elsewhere within the segment
+    bool solid;
+    bool planar;
+};
+
+/// The point that `hit`, an answer to `ray`, stands for.
+Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit);
+
+/// Material of a primitive; cheaper than surfaceAt.
+MaterialId materialOf(const Primitives& primitives, PrimitiveId id);
+
+/// (b − a) × (c − a) as a unit vector within 1e-10 degrees of the exact one however thin the
+/// triangle; (0, 0, 0) when a, b, c lie exactly on a line.
+Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// The ray from the surface along `direction`, started on the side that the direction points to and
+/// far enough off that rounding cannot put it on the other side.
+Ray spawnRay(const Surface& surface, const Vec3& direction);
+
+/// Likewise toward `point`, which is at t = 1; nothing at or behind the point is met.
+Ray spawnRayTo(const Surface& surface, const Vec3& point);
+
+} // namespace rt::geometry

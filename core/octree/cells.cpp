@@ -1,0 +1,492 @@
+#include <core/octree/cells.hpp>
+
+#include <core/parallel/parallel.hpp>
+
+#include <emmintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <vector>
+
+namespace rt::octree {
+namespace {
+
+constexpr int kBins = 16;
+constexpr std::uint32_t kLeastCut = 4;    // cells of as many primitives or fewer are not cut
+constexpr std::uint32_t kTaskSize = 2048; // smaller cells are built by one thread
+constexpr std::uint32_t kHandful = 256;   // cells that a task takes at a time
+constexpr std::uint32_t kChunk = 16384;   // of references, for parallel passes over one cell
+constexpr int kBalancedDepth = 64;        // from here on cells are cut at the median
+constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
+
+struct Box {
+    __m128 lower = _mm_set1_ps(kInfinityF32), upper = _mm_set1_ps(-kInfinityF32);
+
+    void add(__m128 l, __m128 u) {
+        lower = _mm_min_ps(lower, l);
+        upper = _mm_max_ps(upper, u);
+    }
+    void add(const Box& b) { add(b.lower, b.upper); }
+    /// Half of the surface; 0 if empty.
+    float area() const {
+        alignas(16) float d[4];
+        _mm_store_ps(d, _mm_sub_ps(upper, lower));
+        return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
+    }
+};
+
+__m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }
+__m128 upperOf(const Reference& r) { return _mm_load_ps(r.upper); }
+float twiceCenter(const Reference& r, int axis) { return r.lower[axis] + r.upper[axis]; }
+
+struct Bins {
+    Box box[3][kBins];
+    std::uint32_t count[3][kBins] = {};
+
+    void add(const Bins& other) {
+        for (int a = 0; a < 3; ++a)
+            for (int i = 0; i < kBins; ++i) {
+                box[a][i].add(other.box[a][i]);
+                count[a][i] += other.count[a][i];
+            }
+    }
+};
+
+/// A cell on its way: its primitives' bounds and those of their (doubled) centres.
+struct Range {
+    Box box, centers;
+    std::uint32_t begin, end;
+    std::uint8_t open; // axes that this level of the octree has still to cut
+
+    std::uint32_t size() const { return end - begin; }
+};
+
+struct Cut {
+    int axis = -1;
+    float plane = 0; // on doubled centres
+    explicit operator bool() const { return axis >= 0; }
+};
+
+/// Runs body(first, last, chunk) over the range in chunks whose bounds depend on the range alone.
+template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, const Body& body) {
+    const std::uint32_t chunks = (end - begin + kChunk - 1) / kChunk;
+    const auto one = [&](std::size_t i) {
+        const auto first = begin + static_cast<std::uint32_t>(i) * kChunk;
+        body(first, std::min(first + kChunk, end), i);
+    };
+    if (chunks == 1)
+        one(0);
+    else
+        parallel::forEach(chunks, 0, one);
+}
+
+} // namespace
+
+float leafCost(const Reference* references, std::uint32_t begin, std::uint32_t end) {
+    // A block is a node visit's worth of work, a custom shape several.
+    constexpr float kBlock = 1, kCustom = 4;
+    std::uint32_t count[4] = {};
+    for (std::uint32_t i = begin; i < end; ++i) ++count[references[i].kind];
+    float cost = kCustom * static_cast<float>(count[3]);
+    for (int kind = 0; kind < 3; ++kind)
+        cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
+    return cost;
+}
+
+class Cells::Builder {
+public:
+    Builder(Cells& cells, std::uint32_t count, double scale, const BuildOptions& options)
+        : cells_(cells), references_(cells.references_.get()),
+          leastCut_(std::min(kLeastCut, std::max(1u, options.maxObjects))),
+          maxObjects_(std::max(1u, options.maxObjects)),
+          minSize_(static_cast<float>(options.minSize * scale)) {
+        if (count > kChunk) other_.reset(new Reference[count]);
+    }
+
+    std::uint32_t root(std::uint32_t count) {
+        std::vector<Range> parts((count + kChunk - 1) / kChunk);
+        overChunks(0, count, [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
+            parts[i] = bounds(references_, first, last);
+        });
+        Range all = parts[0];
+        for (const Range& part : parts) {
+            all.box.add(part.box);
+            all.centers.add(part.centers);
+        }
+        all.begin = 0;
+        all.end = count;
+        all.open = 7;
+        Handful handful;
+        return build(all, references_, 0, handful);
+    }
+
+private:
+    static Range bounds(const Reference* references, std::uint32_t first, std::uint32_t last) {
+        Range r;
+        r.begin = first;
+        r.end = last;
+        for (std::uint32_t i = first; i < last; ++i) {
+            const __m128 l = lowerOf(references[i]), u = upperOf(references[i]);
+            const __m128 c = _mm_add_ps(l, u);
+            r.box.add(l, u);
+            r.centers.add(c, c);
+        }
+        return r;
+    }
+
+    /// Indices of cells for one task; which cell gets which index is seen by nobody.
+    struct Handful {
+        std::uint32_t next = 0, last = 0;
+    };
+
+    std::uint32_t newCell(Handful& handful) {
+        if (handful.next == handful.last) {
+            handful.next = cellCount_.fetch_add(kHandful, std::memory_order_relaxed);
+            handful.last = handful.next + kHandful;
+        }
+        return handful.next++;
+    }
+
+    /// The cheapest plane on the axes in `range.open`.
+    Cut cheapestCut(const Range& range, const Reference* from) const {
+        alignas(16) float lower[4], upper[4], scale[4] = {};
+        _mm_store_ps(lower, range.centers.lower);
+        _mm_store_ps(upper, range.centers.upper);
+        for (int a = 0; a < 3; ++a) {
+            // Just under kBins, so that the last centre falls into the last bin.
+            const float s = kBins * (1 - 0x1p-20f) / (upper[a] - lower[a]);
+            scale[a] = upper[a] > lower[a] && s < kInfinityF32 ? s : 0;
+        }
+        Bins bins;
+        const auto fill = [&](std::uint32_t first, std::uint32_t last, Bins& into) {
+            const __m128 low = _mm_load_ps(lower), factor = _mm_load_ps(scale);
+            for (std::uint32_t i = first; i < last; ++i) {
+                const __m128 l = lowerOf(from[i]), u = upperOf(from[i]);
+                alignas(16) std::int32_t bin[4];
+                _mm_store_si128(
+                    reinterpret_cast<__m128i*>(bin),
+                    _mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(_mm_add_ps(l, u), low), factor)));
+                for (int a = 0; a < 3; ++a) {
+                    const int b = bin[a] & (kBins - 1);
+                    into.box[a][b].add(l, u);
+                    ++into.count[a][b];
+                }
+            }
+        };
+        if (range.size() <= kChunk) {
+            fill(range.begin, range.end, bins);
+        } else {
+            std::vector<Bins> parts((range.size() + kChunk - 1) / kChunk);
+            overChunks(range.begin, range.end,
+                       [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
+                           fill(first, last, parts[i]);
+                       });
+            for (const Bins& part : parts) bins.add(part);
+        }
+        Cut best;
+        float bestCost = kInfinityF32;
+        for (int a = 0; a < 3; ++a) {
+            if (scale[a] == 0 || !(range.open >> a & 1)) continue;
+            float aboveArea[kBins];
+            std::uint32_t aboveCount[kBins];
+            Box box;
+            std::uint32_t count = 0;
+            for (int i = kBins - 1; i > 0; --i) {
+                box.add(bins.box[a][i]);
+                count += bins.count[a][i];
+                aboveArea[i] = box.area();
+                aboveCount[i] = count;
+            }
+            box = Box();
+            count = 0;
+            for (int i = 1; i < kBins; ++i) {
+                box.add(bins.box[a][i - 1]);
+                count += bins.count[a][i - 1];
+                if (count == 0 || aboveCount[i] == 0) continue;
+                // Work comes in blocks; fours, since blocks are rarely full.
+                const float cost = box.area() * static_cast<float>((count + 3) / 4) +
+                                   aboveArea[i] * static_cast<float>((aboveCount[i] + 3) / 4);
+                if (cost < bestCost) {
+                    bestCost = cost;
+                    best = {a, lower[a] + static_cast<float>(i) / scale[a]};
+                }
+            }
+        }
+        return best;
+    }
+
+    /// The plane through the middle primitive, on the open axis where the centres spread most.
+    static Cut medianCut(const Range& range, const Reference* from) {
+        alignas(16) float lower[4], upper[4];
+        _mm_store_ps(lower, range.centers.lower);
+        _mm_store_ps(upper, range.centers.upper);
+        Cut cut;
+        float widest = 0;
+        for (int a = 0; a < 3; ++a)
+            if ((range.open >> a & 1) && upper[a] - lower[a] > widest) {
+                widest = upper[a] - lower[a];
+                cut.axis = a;
+            }
+        if (!cut) return cut;
+        std::vector<float> centers(range.size());
+        for (std::uint32_t i = 0; i < range.size(); ++i)
+            centers[i] = twiceCenter(from[range.begin + i], cut.axis);
+        const auto middle = centers.begin() + static_cast<std::ptrdiff_t>(centers.size() / 2);
+        std::nth_element(centers.begin(), middle, centers.end());
+        cut.plane = *middle;
+        if (cut.plane == lower[cut.axis]) { // nothing is below the least
+            cut.plane = upper[cut.axis];
+            for (const float c : centers)
+                if (c > lower[cut.axis]) cut.plane = std::min(cut.plane, c);
+        }
+        return cut;
+    }
+
+    /// Sorts the range by the plane: in place, or from one array to the other.
+    static void partitionInPlace(Reference* at, const Range& range, const Cut& cut, Range& below,
+                                 Range& above) {
+        std::uint32_t i = range.begin, j = range.end;
+        while (i < j) {
+            Reference& r = at[i];
+            const __m128 l = lowerOf(r), u = upperOf(r), c = _mm_add_ps(l, u);
+            if (twiceCenter(r, cut.axis) < cut.plane) {
+                below.box.add(l, u);
+                below.centers.add(c, c);
+                ++i;
+            } else {
+                above.box.add(l, u);
+                above.centers.add(c, c);
+                if (--j > i) {
+                    const __m128 ol = lowerOf(at[j]), ou = upperOf(at[j]);
+                    _mm_store_ps(at[j].lower, l);
+                    _mm_store_ps(at[j].upper, u);
+                    _mm_store_ps(r.lower, ol);
+                    _mm_store_ps(r.upper, ou);
+                }
+            }
+        }
+        below.begin = range.begin;
+        below.end = above.begin = i;
+        above.end = range.end;
+    }
+
+    static void partitionAcross(const Reference* from, Reference* to, const Range& range,
+                                const Cut& cut, Range& below, Range& above) {
+        const std::size_t chunks = (range.size() + kChunk - 1) / kChunk;
+        std::vector<Range> belows(chunks), aboves(chunks);
+        overChunks(range.begin, range.end,
+                   [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
+                       std::uint32_t count = 0;
+                       for (std::uint32_t k = first; k < last; ++k)
+                           count += twiceCenter(from[k], cut.axis) < cut.plane;
+                       belows[i].end = count;
+                       aboves[i].end = last - first - count;
+                   });
+        std::uint32_t at = range.begin;
+        for (auto* parts : {&belows, &aboves}) {
+            for (Range& part : *parts) {
+                part.begin = at;
+                at += part.end;
+            }
+            if (parts == &belows) above.begin = below.end = at;
+        }
+        below.begin = range.begin;
+        above.end = range.end;
+        overChunks(range.begin, range.end,
+                   [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
+                       Range &b = belows[i], &a = aboves[i];
+                       std::uint32_t nextBelow = b.begin, nextAbove = a.begin;
+                       for (std::uint32_t k = first; k < last; ++k) {
+                           const __m128 l = lowerOf(from[k]), u = upperOf(from[k]);
+                           const __m128 c = _mm_add_ps(l, u);
+                           const bool isBelow = twiceCenter(from[k], cut.axis) < cut.plane;
+                           Range& side = isBelow ? b : a;
+                           side.box.add(l, u);
+                           side.centers.add(c, c);
+                           Reference& r = to[isBelow ? nextBelow++ : nextAbove++];
+                           _mm_store_ps(r.lower, l);
+                           _mm_store_ps(r.upper, u);
+                       }
+                   });
+        for (std::size_t i = 0; i < chunks; ++i) {
+            below.box.add(belows[i].box);
+            below.centers.add(belows[i].centers);
+            above.box.add(aboves[i].box);
+            above.centers.add(aboves[i].centers);
+        }
+    }
+
+    bool mayCut(const Range& range, int depth) const {
+        if (range.size() <= leastCut_ || depth >= kMaxDepth) return false;
+        alignas(16) float side[4];
+        _mm_store_ps(side, _mm_sub_ps(range.box.upper, range.box.lower));
+        return side[0] > minSize_ || side[1] > minSize_ || side[2] > minSize_;
+    }
+
+    /// `from`: where the range's references are now, one of the two arrays.
+    std::uint32_t build(const Range& range, Reference* from, int depth, Handful& handful) {
+        const std::uint32_t index = newCell(handful);
+        Cell& cell = cells_.cells_[index];
+        alignas(16) float lower[4], upper[4];
+        _mm_store_ps(lower, range.box.lower);
+        _mm_store_ps(upper, range.box.upper);
+        for (int a = 0; a < 3; ++a) {
+            cell.lower[a] = lower[a];
+            cell.upper[a] = upper[a];
+        }
+        cell.begin = range.begin;
+        cell.end = range.end;
+        cell.below = cell.above = kNoCell;
+        cell.open = range.open;
+
+        Range below, above;
+        Reference* sorted = from;
+        Cut cut;
+        if (mayCut(range, depth)) cut = separate(range, from, sorted, depth, below, above);
+        if (cut) {
+            cell.axis = static_cast<std::uint8_t>(cut.axis);
+            cell.plane = cut.plane / 2;
+            const auto left =
+                static_cast<std::uint8_t>(range.open >> cut.axis & 1 ? range.open : 7);
+            const auto open = static_cast<std::uint8_t>(left & ~(1 << cut.axis));
+            below.open = above.open = open ? open : 7;
+            std::uint32_t b, a;
+            if (std::min(below.size(), above.size()) > kTaskSize) {
+                parallel::invoke([&] { b = build(below, sorted, depth + 1, handful); },
+                                 [&] {
+                                     Handful own;
+                                     a = build(above, sorted, depth + 1, own);
+                                 });
+            } else {
+                b = build(below, sorted, depth + 1, handful);
+                a = build(above, sorted, depth + 1, handful);
+            }
+            cell.below = b;
+            cell.above = a;
+        } else if (from != references_) {
+            std::copy(from + range.begin, from + range.end, references_ + range.begin);
+        }
+        merge(cell, range.box.area());
+        return index;
+    }
+
+    /// Cuts the range once. Axes on which nothing can be told apart count as cut; a new level starts
+    /// when none is left. No cut when all centres coincide.
+    Cut separate(Range range, Reference* from, Reference*& sorted, int depth, Range& below,
+                 Range& above) {
+        // This level, the next, and the next again at the median.
+        constexpr int kByMedian = 2;
+        for (int attempt = 0; attempt <= kByMedian; ++attempt, range.open = 7) {
+            while (range.open) {
+                const bool tryHarder = depth >= kBalancedDepth || attempt == kByMedian;
+                const Cut cut = tryHarder ? medianCut(range, from) : cheapestCut(range, from);
+                if (!cut) break;
+                below = above = Range();
+                if (range.size() > kChunk) {
+                    sorted = from == references_ ? other_.get() : references_;
+                    partitionAcross(from, sorted, range, cut, below, above);
+                } else {
+                    partitionInPlace(from, range, cut, below, above);
+                    sorted = from;
+                }
+                if (below.size() > 0 && above.size() > 0) return cut;
+                sorted = from; // the plane fell on the outermost centre
+                range.open = static_cast<std::uint8_t>(range.open & ~(1 << cut.axis));
+            }
+        }
+        return {};
+    }
+
+    /// Cheapest way to put the cell's subtree into n slots of a node, for every n [Ylitie, Karras,
+    /// Laine 2017], under the surface area heuristic with one node visit as the unit.
+    void merge(Cell& cell, float area) const {
+        constexpr float kNode = 1;
+        const std::uint32_t size = cell.end - cell.begin;
+        const bool leafAllowed = size <= maxObjects_ || !cell.isCut();
+        const float leaf =
+            leafAllowed ? area * leafCost(references_, cell.begin, cell.end) : kInfinityF32;
+        if (!cell.isCut()) {
+            for (int n = 0; n < kNodeChildren; ++n) {
+                cell.cost[n] = leaf;
+                cell.split[n] = 0;
+            }
+            return;
+        }
+        const Cell& b = cells_.cells_[cell.below];
+        const Cell& a = cells_.cells_[cell.above];
+        float spread[kNodeChildren];
+        std::uint8_t toBelow[kNodeChildren];
+        for (int n = 1; n < kNodeChildren; ++n) {
+            spread[n] = kInfinityF32;
+            toBelow[n] = 1;
+            for (int k = 0; k < n; ++k) {
+                const float cost = b.cost[k] + a.cost[n - 1 - k];
+                if (cost < spread[n]) {
+                    spread[n] = cost;
+                    toBelow[n] = static_cast<std::uint8_t>(k + 1);
+                }
+            }
+        }
+        const float node = spread[kNodeChildren - 1] + area * kNode;
+        cell.cost[0] = std::min(leaf, node);
+        cell.split[0] = leaf <= node ? 0 : toBelow[kNodeChildren - 1];
+        for (int n = 1; n < kNodeChildren; ++n) {
+            const bool better = spread[n] < cell.cost[n - 1];
+            cell.cost[n] = better ? spread[n] : cell.cost[n - 1];
+            cell.split[n] = better ? toBelow[n] : 0;
+        }
+    }
+
+    Cells& cells_;
+    Reference* const references_;
+    std::unique_ptr<Reference[]> other_;
+    const std::uint32_t leastCut_, maxObjects_;
+    const float minSize_;
+    std::atomic<std::uint32_t> cellCount_{0};
+};
+
+Cells::Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, double scale,
+             const BuildOptions& options)
+    : references_(std::move(references)) {
+    if (count == 0) return;
+    // At most 2n − 1 cells, and what tasks take too many: there are fewer than n / kTaskSize of them.
+    // The pages of unused ones are never touched.
+    const std::size_t capacity =
+        2 * static_cast<std::size_t>(count) + kHandful * (count / kTaskSize + 1);
+    cells_ = static_cast<Cell*>(std::malloc(capacity * sizeof(Cell)));
+    if (!cells_) throw std::bad_alloc();
+    Builder builder(*this, count, scale, options);
+    root_ = builder.root(count);
+}
+
+Cells::~Cells() { std::free(cells_); }
+
+void Cells::gather(std::uint32_t index, int slots, std::uint32_t* children, int& count) const {
+    const Cell& cell = cells_[index];
+    // Fewer slots do as well where the cost is the same.
+    while (slots > 1 && cell.split[slots - 1] == 0) --slots;
+    if (slots == 1) {
+        children[count++] = index;
+        return;
+    }
+    gather(cell.below, cell.split[slots - 1], children, count);
+    gather(cell.above, slots - cell.split[slots - 1], children, count);
+}
+
+int Cells::childrenOf(std::uint32_t index, std::uint32_t children[kNodeChildren]) const {
+    const Cell& cell = cells_[index];
+    int count = 0;
+    if (isLeaf(index)) { // a root that is a leaf
+        children[count++] = index;
+        return count;
+    }
+    gather(cell.below, cell.split[0], children, count);
+    gather(cell.above, kNodeChildren - cell.split[0], children, count);
+    return count;
+}
+
+} // namespace rt::octree

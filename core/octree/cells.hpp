@@ -1,0 +1,74 @@
+// The cells of the octree as a binary tree of cuts, before children are merged into nodes.
+//
+// A level of the octree cuts its cell once in x, once in y and once in z. The first cut may be along
+// any axis and halves the cell; each half chooses for itself which of the two other axes is next, and
+// where; the quarters take the axis that is left: 7 planes a level, each where the surface area
+// heuristic [MacDonald, Booth 1990] finds it cheapest among 16. A cut with everything on one side
+// makes no cell; its axis counts as cut.
+#pragma once
+#include <core/octree/layout.hpp>
+#include <core/octree/octree.hpp>
+
+#include <cstdint>
+#include <memory>
+
+namespace rt::octree {
+
+/// A primitive as the builder sees it: its box in octree space, rounded outward.
+struct alignas(32) Reference {
+    float lower[3];
+    std::uint32_t id;
+    float upper[3];
+    std::uint32_t kind; // geometry::Kind
+};
+
+inline constexpr std::uint32_t kNoCell = 0xFFFFFFFFu;
+inline constexpr int kNodeChildren = 8;
+
+struct Cell {
+    float lower[3];
+    std::uint32_t begin; // references begin .. end − 1
+    float upper[3];
+    std::uint32_t end;
+    std::uint32_t below, above; // the two sides of the cut; kNoCell in a cell that is not cut
+    float plane;                // on `axis`; primitives with centre < plane are below
+    std::uint8_t axis;
+    std::uint8_t open; // bit per axis that this level had not cut yet, before this cut
+    std::uint8_t leafAllowed;
+    std::uint8_t reserved;
+    float cost[kNodeChildren];         // [n]: of this cell in n + 1 or fewer slots of a node
+    std::uint8_t split[kNodeChildren]; // [n]: slots of them that go below; 0: one slot suffices
+    bool isCut() const { return below != kNoCell; }
+};
+
+/// Cost of a cell as a leaf, in units of one node visit, per unit of area.
+float leafCost(const Reference* references, std::uint32_t begin, std::uint32_t end);
+
+class Cells {
+public:
+    /// Sorts `references` into cells. `scale`: octree units per world unit.
+    Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, double scale,
+          const BuildOptions& options);
+    ~Cells();
+    Cells(const Cells&) = delete;
+    Cells& operator=(const Cells&) = delete;
+
+    const Cell& operator[](std::uint32_t i) const { return cells_[i]; }
+    const Reference* references() const { return references_.get(); }
+    std::uint32_t root() const { return root_; }
+
+    /// A cell that stays whole: its primitives are a leaf.
+    bool isLeaf(std::uint32_t cell) const { return cells_[cell].split[0] == 0; }
+    /// The cells that the node made of `cell` has as children; returns their number, at most 8.
+    int childrenOf(std::uint32_t cell, std::uint32_t children[kNodeChildren]) const;
+
+private:
+    class Builder;
+    void gather(std::uint32_t cell, int slots, std::uint32_t* children, int& count) const;
+
+    std::unique_ptr<Reference[]> references_;
+    Cell* cells_ = nullptr;
+    std::uint32_t root_ = kNoCell;
+};
+
+} // namespace rt::octree

@@ -1,0 +1,704 @@
+// The queries, in terms of the 8 lanes of the including file. Every expression on f64 lanes repeats
+// core/geometry/intersect.cpp operation by operation.
+//
+// Nothing here may call an inline function of another header: it would be compiled with this file's
+// flags and could replace everybody's copy.
+
+using geometry::Hit;
+using geometry::Ray;
+
+struct alignas(64) LaneArray {
+    double at[kLanes];
+};
+
+/// A ray against f32 boxes, in octree space.
+///
+/// For a plane p the test computes fl(p·r − n) with r = fl(1/d) and n = fl(o/d + s), all in f32 but the
+/// division and o/d. Roundings, u = 2^-24, |p| <= 1: of r: u|p/d|; of n: u|o/d|; of the product (where
+/// it is not fused): u|p/d|; of the difference: u(|p| + |o|)/|d|. Together at most
+/// u(3 + 2|o|)/|d|, so a slack s = 4u(1 + |o|)/|d| makes an entering plane no later and, with −s, a
+/// leaving plane no earlier than the exact one, and leaves 1u/|d|, 10^8 f64 roundings, for what the
+/// f64 part and the leaf tests round. Origins farther than kNear are first moved along the ray to the
+/// cube [−1, 1]³; what that rounds grows with the distance and is added to s.
+struct BoxRay {
+    float inverse[3], enter[3], leave[3];
+    unsigned mirror;    // bit per axis: direction is negative
+    double perT, shift; // octree-space parameter of the moved origin = t · perT − shift
+    bool misses;        // the whole cube
+};
+
+constexpr double kNear = 8;            // half sides of the cube
+constexpr double kSlack = 4 * 0x1p-24; // 4u of f32, derived above
+constexpr double kFarSlack = 0x1p-46;  // 128 u of f64: moving the origin, and the leaf tests
+constexpr double kTooFar = 0x1p100;    // beyond, f32 would overflow: boxes are not tested
+constexpr double kSmallestDirection = 0x1p-60; // of a largest component in [1, 2): moves a ray by
+                                               // less than 2^-56 within the cube
+
+inline double absolute(double x) { return __builtin_fabs(x); }
+
+inline std::uint64_t bitsOf(double x) {
+    std::uint64_t b;
+    __builtin_memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+inline double fromBits(std::uint64_t b) {
+    double x;
+    __builtin_memcpy(&x, &b, sizeof x);
+    return x;
+}
+
+inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray) {
+    BoxRay b;
+    const double* const direction = &ray.direction.x;
+    const double* const origin = &ray.origin.x;
+    double o[3], d[3], inverse[3];
+    double largest = absolute(direction[0]);
+    if (absolute(direction[1]) > largest) largest = absolute(direction[1]);
+    if (absolute(direction[2]) > largest) largest = absolute(direction[2]);
+    // 2^-e for largest in [2^e, 2^(e+1)), from the bits of the exponent.
+    const std::uint64_t exponent = bitsOf(largest) >> 52;
+    const double normalize = fromBits((2046 - (exponent < 2046 ? exponent : 2045)) << 52);
+    const double power = 1 / normalize;
+    b.perT = tree.scale * power;
+    if (!(b.perT > 0x1p-900)) b.perT = __builtin_inf(); // underflow: t prunes nothing
+    b.shift = 0;
+    b.misses = false;
+    double distance = 0;
+    b.mirror = 0;
+    for (int i = 0; i < 3; ++i) {
+        o[i] = (origin[i] - tree.center[i]) * tree.scale;
+        d[i] = direction[i] * normalize;
+        const bool negative = bitsOf(d[i]) >> 63;
+        b.mirror |= static_cast<unsigned>(negative) << i;
+        if (!(absolute(d[i]) >= kSmallestDirection))
+            d[i] = negative ? -kSmallestDirection : kSmallestDirection;
+        inverse[i] = 1 / d[i];
+        if (!(absolute(o[i]) <= distance)) distance = absolute(o[i]);
+    }
+    double extra = 0;
+    if (!(distance <= kNear)) {
+        if (!(distance <= kTooFar)) { // or NaN
+            for (int i = 0; i < 3; ++i) {
+                b.inverse[i] = 1;
+                b.enter[i] = __builtin_inff();
+                b.leave[i] = -__builtin_inff();
+            }
+            b.perT = __builtin_inf();
+            return b;
+        }
+        extra = kFarSlack * distance;
+        double in = 0, out = __builtin_inf();
+        for (int i = 0; i < 3; ++i) {
+            const double side = inverse[i] < 0 ? -(1 + extra) : 1 + extra;
+            const double near = (-side - o[i]) * inverse[i], far = (side - o[i]) * inverse[i];
+            const double margin = kFarSlack * absolute(o[i] * inverse[i]);
+            if (near - margin > in) in = near - margin;
+            if (far + margin < out) out = far + margin;
+        }
+        if (in > out) {
+            b.misses = true;
+            return b;
+        }
+        for (int i = 0; i < 3; ++i) o[i] = o[i] + in * d[i];
+        b.shift = in;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const double slack = (kSlack * (1 + absolute(o[i])) + extra) * absolute(inverse[i]);
+        b.inverse[i] = static_cast<float>(inverse[i]);
+        b.enter[i] = static_cast<float>(o[i] * inverse[i] + slack);
+        b.leave[i] = static_cast<float>(o[i] * inverse[i] - slack);
+    }
+    return b;
+}
+
+/// An f32 parameter of the boxes at or after t.
+inline float boxLimit(const BoxRay& b, double t) {
+    const double scaled = t * b.perT;
+    const double moved = scaled - b.shift + (0x1p-50 * scaled);
+    if (!(moved < 0x1p120)) return __builtin_inff(); // or NaN
+    return moved > 0 ? static_cast<float>(moved) * (1 + 0x1p-22f) + 0x1p-120f : 0.0f;
+}
+
+struct BoxLanes {
+    F32 inverse[3], enter[3], leave[3];
+    int near[3], far[3]; // rows of Node::planes
+};
+
+inline void broadcast(BoxLanes& lanes, const BoxRay& b) {
+    for (int i = 0; i < 3; ++i) {
+        lanes.inverse[i] = all(b.inverse[i]);
+        lanes.enter[i] = all(b.enter[i]);
+        lanes.leave[i] = all(b.leave[i]);
+        lanes.near[i] = 2 * i + static_cast<int>(b.mirror >> i & 1);
+        lanes.far[i] = lanes.near[i] ^ 1;
+    }
+}
+
+/// The children whose boxes the ray meets in [0, limit].
+inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& enter) {
+    const F32 nx = productMinus(load(node.planes[ray.near[0]]), ray.inverse[0], ray.enter[0]);
+    const F32 ny = productMinus(load(node.planes[ray.near[1]]), ray.inverse[1], ray.enter[1]);
+    const F32 nz = productMinus(load(node.planes[ray.near[2]]), ray.inverse[2], ray.enter[2]);
+    const F32 fx = productMinus(load(node.planes[ray.far[0]]), ray.inverse[0], ray.leave[0]);
+    const F32 fy = productMinus(load(node.planes[ray.far[1]]), ray.inverse[1], ray.leave[1]);
+    const F32 fz = productMinus(load(node.planes[ray.far[2]]), ray.inverse[2], ray.leave[2]);
+    enter = larger(larger(nx, ny), larger(nz, all(0.0f)));
+    return bitsLessEqual(enter, smaller(smaller(fx, fy), smaller(fz, limit)));
+}
+
+/// geometry::RayFrame of this ray.
+struct Frame {
+    double origin[3], direction[3];
+    int kx, ky, kz;
+    double shearX, shearY, shearZ;
+    double squared, inverseSquared;
+};
+
+inline Frame frameOf(const Ray& ray) {
+    Frame f;
+    for (int i = 0; i < 3; ++i) {
+        f.origin[i] = (&ray.origin.x)[i];
+        f.direction[i] = (&ray.direction.x)[i];
+    }
+    const double x = absolute(f.direction[0]), y = absolute(f.direction[1]),
+                 z = absolute(f.direction[2]);
+    f.kz = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    f.kx = f.kz == 2 ? 0 : f.kz + 1;
+    f.ky = f.kx == 2 ? 0 : f.kx + 1;
+    f.shearZ = 1 / f.direction[f.kz];
+    f.shearX = f.direction[f.kx] * f.shearZ;
+    f.shearY = f.direction[f.ky] * f.shearZ;
+    f.squared = (f.direction[0] * f.direction[0] + f.direction[1] * f.direction[1]) +
+                f.direction[2] * f.direction[2];
+    f.inverseSquared = 1 / f.squared;
+    return f;
+}
+
+struct Sheared {
+    F64 x, y, z;
+};
+
+inline Sheared shear(const Frame& f, const double corner[3][kLanes]) {
+    const F64 z = load(corner[f.kz]) - all(f.origin[f.kz]);
+    return {(load(corner[f.kx]) - all(f.origin[f.kx])) - all(f.shearX) * z,
+            (load(corner[f.ky]) - all(f.origin[f.ky])) - all(f.shearY) * z, z};
+}
+
+struct Edges {
+    F64 u, v, w;
+};
+
+inline Edges edgesOf(const Sheared& a, const Sheared& b, const Sheared& c) {
+    return {c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x};
+}
+
+/// A NaN among u, v, w may pass here, but not the test of t that follows.
+inline Mask inside(const Edges& e) {
+    const F64 least = smaller(smaller(e.u, e.v), e.w), most = larger(larger(e.u, e.v), e.w);
+    return either(least >= all(0.0), most <= all(0.0));
+}
+
+inline Mask touching(const Edges& e) {
+    return either(either(e.u == all(0.0), e.v == all(0.0)), e.w == all(0.0));
+}
+
+struct Solution {
+    F64 b, c, t; // weights of the second and third corner
+    Mask exists;
+};
+
+inline Solution solve(const Frame& f, const Edges& e, const Sheared& a, const Sheared& b,
+                      const Sheared& c) {
+    const F64 determinant = (e.u + e.v) + e.w;
+    const F64 inverse = all(1.0) / determinant;
+    const F64 wb = e.v * inverse, wc = e.w * inverse;
+    return {wb, wc, all(f.shearZ) * (a.z + (wb * (b.z - a.z) + wc * (c.z - a.z))),
+            determinant != all(0.0)};
+}
+
+inline unsigned excluded(const std::uint32_t* id, std::uint32_t exclude) {
+    unsigned lanes = 0;
+    for (unsigned i = 0; i < kLanes; ++i) lanes |= static_cast<unsigned>(id[i] == exclude) << i;
+    return lanes;
+}
+
+/// The lanes that the ray hits in (0, limit], but the excluded one.
+inline unsigned hitTriangles(const TriangleBlock& block, const Frame& f, double limit,
+                             std::uint32_t exclude, Solution& s, Edges& e) {
+    const Sheared a = shear(f, block.corner[0]), b = shear(f, block.corner[1]),
+                  c = shear(f, block.corner[2]);
+    e = edgesOf(a, b, c);
+    const Mask in = inside(e);
+    if (!bits(in)) return 0;
+    s = solve(f, e, a, b, c);
+    unsigned lanes = bits(both(both(in, s.exists), both(s.t > all(0.0), s.t <= all(limit))));
+    if (lanes && exclude != 0xFFFFFFFFu) lanes &= ~excluded(block.id, exclude);
+    return lanes;
+}
+
+inline unsigned hitParallelograms(const ParallelogramBlock& block, const Frame& f, double limit,
+                                  std::uint32_t exclude, Solution& s, unsigned& touched) {
+    const Sheared a = shear(f, block.corner[0]), b = shear(f, block.corner[1]),
+                  c = shear(f, block.corner[2]), d = shear(f, block.corner[3]);
+    const Edges e1 = edgesOf(a, b, c), e2 = edgesOf(a, c, d);
+    const Mask in1 = inside(e1), in2 = inside(e2);
+    if (!bits(either(in1, in2))) return 0;
+    const Solution s1 = solve(f, e1, a, b, c), s2 = solve(f, e2, a, c, d);
+    const Mask first = both(in1, s1.exists), second = both(in2, s2.exists);
+    touched = bits(both(in1, touching(e1))) | bits(both(in2, touching(e2)));
+    s.b = select(first, s1.b + s1.c, s2.b);
+    s.c = select(first, s1.c, s2.b + s2.c);
+    s.t = select(first, s1.t, s2.t);
+    unsigned lanes = bits(both(either(first, second), both(s.t > all(0.0), s.t <= all(limit))));
+    if (lanes && exclude != 0xFFFFFFFFu) lanes &= ~excluded(block.id, exclude);
+    return lanes;
+}
+
+/// The two parameters of the lines that meet the spheres.
+inline Mask meetSpheres(const SphereBlock& block, const Frame& f, F64& t0, F64& t1) {
+    const F64 dx = all(f.direction[0]), dy = all(f.direction[1]), dz = all(f.direction[2]);
+    const F64 fx = load(block.center[0]) - all(f.origin[0]);
+    const F64 fy = load(block.center[1]) - all(f.origin[1]);
+    const F64 fz = load(block.center[2]) - all(f.origin[2]);
+    const F64 b = (fx * dx + fy * dy) + fz * dz;
+    const F64 k = b * all(f.inverseSquared);
+    const F64 lx = fx - k * dx, ly = fy - k * dy, lz = fz - k * dz;
+    const F64 r = load(block.radius), r2 = r * r;
+    const F64 discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
+    const F64 c = ((fx * fx + fy * fy) + fz * fz) - r2;
+    const Mask within = c < all(0.0), met = either(within, discriminant >= all(0.0));
+    if (!bits(met)) return met;
+    const F64 root =
+        squareRoot(select(within, b * b - all(f.squared) * c, all(f.squared) * discriminant));
+    const F64 q = select(b < all(0.0), b - root, b + root);
+    const F64 ta = c / q, tb = q * all(f.inverseSquared);
+    t0 = smaller(ta, tb);
+    t1 = larger(ta, tb);
+    return met;
+}
+
+inline unsigned hitSpheres(const SphereBlock& block, const Frame& f, double limit, F64& t) {
+    F64 t0, t1;
+    const Mask met = meetSpheres(block, f, t0, t1);
+    if (!bits(met)) return 0;
+    t = select(t0 > all(0.0), t0, t1);
+    return bits(both(met, both(t > all(0.0), t <= all(limit))));
+}
+
+/// The best hit so far. Starts as (tMax, 0): no hit at tMax itself has an id below 0.
+struct Best {
+    double t, u, v;
+    std::uint32_t id;
+    bool found;
+};
+
+inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, const LaneArray& v,
+                     const std::uint32_t* id, Best& best) {
+    bool better = false;
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        if (t.at[i] < best.t || (t.at[i] == best.t && id[i] < best.id)) {
+            best.t = t.at[i];
+            best.u = u.at[i];
+            best.v = v.at[i];
+            best.id = id[i];
+            better = best.found = true;
+        }
+    }
+    return better;
+}
+
+inline bool closestInTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
+                               Best& best) {
+    Solution s;
+    Edges e;
+    const unsigned lanes = hitTriangles(block, f, best.t, exclude, s, e);
+    if (!lanes) return false;
+    LaneArray t, u, v;
+    store(t.at, s.t);
+    store(u.at, s.b);
+    store(v.at, s.c);
+    return takeBest(lanes, t, u, v, block.id, best);
+}
+
+inline bool closestInParallelograms(const ParallelogramBlock& block, const Frame& f,
+                                    std::uint32_t exclude, Best& best) {
+    Solution s;
+    unsigned touched;
+    const unsigned lanes = hitParallelograms(block, f, best.t, exclude, s, touched);
+    if (!lanes) return false;
+    LaneArray t, u, v;
+    store(t.at, s.t);
+    store(u.at, s.b);
+    store(v.at, s.c);
+    return takeBest(lanes, t, u, v, block.id, best);
+}
+
+inline bool closestInSpheres(const SphereBlock& block, const Frame& f, Best& best) {
+    F64 s;
+    const unsigned lanes = hitSpheres(block, f, best.t, s);
+    if (!lanes) return false;
+    LaneArray t;
+    constexpr LaneArray kZero{};
+    store(t.at, s);
+    return takeBest(lanes, t, kZero, kZero, block.id, best);
+}
+
+inline bool closestInRun(const TreeView& tree, const CustomRun& run, const Ray& ray, Best& best) {
+    double t;
+    std::uint32_t id;
+    if (!closestOfRun(tree, run, ray, best.t, t, id)) return false;
+    if (!(t < best.t || (t == best.t && id < best.id))) return false;
+    best.t = t;
+    best.u = best.v = 0;
+    best.id = id;
+    best.found = true;
+    return true;
+}
+
+/// Primitives of a block: lanes in use come first.
+inline unsigned lanesInUse(const std::uint32_t* id) {
+    unsigned n = 0;
+    while (n < kLanes && id[n] != 0xFFFFFFFFu) ++n;
+    return n;
+}
+
+template <bool kCount>
+inline bool closestInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
+                            const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
+    bool better = false;
+    for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
+        const TriangleBlock& block = tree.triangles[leaf.triangles + i];
+        if (kCount) visits->triangles += lanesInUse(block.id);
+        better |= closestInTriangles(block, f, exclude, best);
+    }
+    for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i) {
+        const SphereBlock& block = tree.spheres[leaf.spheres + i];
+        if (kCount) visits->spheres += lanesInUse(block.id);
+        better |= closestInSpheres(block, f, best);
+    }
+    for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i) {
+        const ParallelogramBlock& block = tree.parallelograms[leaf.parallelograms + i];
+        if (kCount) visits->parallelograms += lanesInUse(block.id);
+        better |= closestInParallelograms(block, f, exclude, best);
+    }
+    for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
+        const CustomRun& run = tree.runs[leaf.runs + i];
+        if (kCount) visits->customs += run.count;
+        better |= closestInRun(tree, run, ray, best);
+    }
+    return better;
+}
+
+template <bool kCount>
+inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray,
+                          const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
+        return closestInTriangles(tree.triangles[index], f, exclude, best);
+    case kSphereLeaf:
+        if (kCount) visits->spheres += lanesInUse(tree.spheres[index].id);
+        return closestInSpheres(tree.spheres[index], f, best);
+    case kParallelogramLeaf:
+        if (kCount) visits->parallelograms += lanesInUse(tree.parallelograms[index].id);
+        return closestInParallelograms(tree.parallelograms[index], f, exclude, best);
+    default:
+        return closestInRecord<kCount>(tree, tree.records[index], ray, f, exclude, best, visits);
+    }
+}
+
+inline void answer(const Best& best, Hit* hit) {
+    if (!best.found) return;
+    hit->t = best.t;
+    hit->u = best.u;
+    hit->v = best.v;
+    hit->id = static_cast<geometry::PrimitiveId>(best.id);
+}
+
+template <bool kCount>
+inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    const Frame f = frameOf(ray);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    Best best{ray.tMax, 0, 0, 0, false};
+    closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
+    const BoxRay box = boxRayOf(tree, ray);
+    if (!tree.nodes || box.misses) return answer(best, hit);
+    BoxLanes lanes;
+    broadcast(lanes, box);
+    const Order order = orderOf(box.mirror);
+    std::uint32_t references[kStackSize];
+    float enters[kStackSize];
+    int top = 0;
+    float limit = boxLimit(box, best.t);
+    std::uint32_t current = 0;
+    for (;;) {
+        if (!(current & kLeaf)) {
+            const Node& node = tree.nodes[current];
+            if (kCount) ++visits->nodes;
+            F32 enter;
+            const unsigned mask = meets(node, lanes, all(limit), enter);
+            if (mask) {
+                current = pushFar(order, node, enter, mask, references, enters, top);
+                continue;
+            }
+        } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {
+            limit = boxLimit(box, best.t);
+        }
+        do {
+            if (top == 0) return answer(best, hit);
+            --top;
+        } while (enters[top] > limit);
+        current = references[top];
+    }
+}
+
+template <bool kCount>
+inline bool anyInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
+                        const Frame& f, std::uint32_t exclude, double limit, Visits* visits) {
+    Solution s;
+    Edges e;
+    F64 t;
+    unsigned touched;
+    for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
+        const TriangleBlock& block = tree.triangles[leaf.triangles + i];
+        if (kCount) visits->triangles += lanesInUse(block.id);
+        if (hitTriangles(block, f, limit, exclude, s, e)) return true;
+    }
+    for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i) {
+        const SphereBlock& block = tree.spheres[leaf.spheres + i];
+        if (kCount) visits->spheres += lanesInUse(block.id);
+        if (hitSpheres(block, f, limit, t)) return true;
+    }
+    for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i) {
+        const ParallelogramBlock& block = tree.parallelograms[leaf.parallelograms + i];
+        if (kCount) visits->parallelograms += lanesInUse(block.id);
+        if (hitParallelograms(block, f, limit, exclude, s, touched)) return true;
+    }
+    for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
+        const CustomRun& run = tree.runs[leaf.runs + i];
+        if (kCount) visits->customs += run.count;
+        double at;
+        std::uint32_t id;
+        if (closestOfRun(tree, run, ray, limit, at, id)) return true;
+    }
+    return false;
+}
+
+template <bool kCount>
+inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, const Frame& f,
+                      std::uint32_t exclude, double limit, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    Solution s;
+    Edges e;
+    F64 t;
+    unsigned touched;
+    switch (reference >> kLeafKindShift & 7) {
+    case kTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
+        return hitTriangles(tree.triangles[index], f, limit, exclude, s, e);
+    case kSphereLeaf:
+        if (kCount) visits->spheres += lanesInUse(tree.spheres[index].id);
+        return hitSpheres(tree.spheres[index], f, limit, t);
+    case kParallelogramLeaf:
+        if (kCount) visits->parallelograms += lanesInUse(tree.parallelograms[index].id);
+        return hitParallelograms(tree.parallelograms[index], f, limit, exclude, s, touched);
+    default:
+        return anyInRecord<kCount>(tree, tree.records[index], ray, f, exclude, limit, visits);
+    }
+}
+
+/// The largest double below x > 0: the limits of the leaf tests are inclusive, tMax is not.
+inline double below(double x) {
+    return x > 0 && x < __builtin_inf() ? fromBits(bitsOf(x) - 1)
+           : x > 0                      ? 0x1.fffffffffffffp1023
+                                        : 0;
+}
+
+template <bool kCount>
+inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
+    const Frame f = frameOf(ray);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const double last = below(ray.tMax);
+    if (anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits)) return true;
+    const BoxRay box = boxRayOf(tree, ray);
+    if (!tree.nodes || box.misses) return false;
+    BoxLanes lanes;
+    broadcast(lanes, box);
+    const F32 limit = all(boxLimit(box, ray.tMax));
+    std::uint32_t references[kStackSize];
+    int top = 0;
+    std::uint32_t current = 0;
+    for (;;) {
+        if (!(current & kLeaf)) {
+            const Node& node = tree.nodes[current];
+            if (kCount) ++visits->nodes;
+            F32 enter;
+            const unsigned mask = meets(node, lanes, limit, enter);
+            if (mask) {
+                current = pushAny(node, mask, references, top);
+                continue;
+            }
+        } else if (anyInLeaf<kCount>(tree, current, ray, f, exclude, last, visits)) {
+            return true;
+        }
+        if (top == 0) return false;
+        current = references[--top];
+    }
+}
+
+inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,
+                   const CrossingSink& sink) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const bool goOn = touched >> i & 1 ? sink.touch(sink.context, id[i])
+                                           : sink.add(sink.context, t.at[i], id[i]);
+        if (!goOn) return false;
+    }
+    return true;
+}
+
+template <bool kCount>
+inline bool crossTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
+                           double last, const CrossingSink& sink, Visits* visits) {
+    if (kCount) visits->triangles += lanesInUse(block.id);
+    Solution s;
+    Edges e;
+    const unsigned lanes = hitTriangles(block, f, last, exclude, s, e);
+    if (!lanes) return true;
+    LaneArray t;
+    store(t.at, s.t);
+    return addAll(lanes, bits(touching(e)), t, block.id, sink);
+}
+
+template <bool kCount>
+inline bool crossParallelograms(const ParallelogramBlock& block, const Frame& f,
+                                std::uint32_t exclude, double last, const CrossingSink& sink,
+                                Visits* visits) {
+    if (kCount) visits->parallelograms += lanesInUse(block.id);
+    Solution s;
+    unsigned touched;
+    const unsigned lanes = hitParallelograms(block, f, last, exclude, s, touched);
+    if (!lanes) return true;
+    LaneArray t;
+    store(t.at, s.t);
+    return addAll(lanes, touched, t, block.id, sink);
+}
+
+template <bool kCount>
+inline bool crossSpheres(const SphereBlock& block, const Frame& f, double last,
+                         const CrossingSink& sink, Visits* visits) {
+    if (kCount) visits->spheres += lanesInUse(block.id);
+    F64 t0, t1;
+    const Mask met = meetSpheres(block, f, t0, t1);
+    if (!bits(met)) return true;
+    LaneArray first, second;
+    store(first.at, t0);
+    store(second.at, t1);
+    const unsigned in0 = bits(both(met, both(t0 > all(0.0), t0 <= all(last))));
+    const unsigned in1 = bits(both(met, both(t1 > all(0.0), t1 <= all(last))));
+    return addAll(in0, 0, first, block.id, sink) && addAll(in1, 0, second, block.id, sink);
+}
+
+template <bool kCount>
+inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Frame& f,
+                        std::uint32_t exclude, double last, const CrossingSink& sink,
+                        Visits* visits) {
+    for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
+        if (!crossTriangles<kCount>(tree.triangles[leaf.triangles + i], f, exclude, last, sink,
+                                    visits))
+            return false;
+    for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
+        if (!crossSpheres<kCount>(tree.spheres[leaf.spheres + i], f, last, sink, visits))
+            return false;
+    for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
+        if (!crossParallelograms<kCount>(tree.parallelograms[leaf.parallelograms + i], f, exclude,
+                                         last, sink, visits))
+            return false;
+    for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
+        const CustomRun& run = tree.runs[leaf.runs + i];
+        if (kCount) visits->customs += run.count;
+        if (!sink.custom(sink.context, run)) return false;
+    }
+    return true;
+}
+
+template <bool kCount>
+inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSink& sink,
+                          Visits* visits) {
+    const Frame f = frameOf(ray);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const double last = below(ray.tMax);
+    if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
+    const BoxRay box = boxRayOf(tree, ray);
+    if (!tree.nodes || box.misses) return true;
+    BoxLanes lanes;
+    broadcast(lanes, box);
+    const F32 limit = all(boxLimit(box, ray.tMax));
+    std::uint32_t references[kStackSize];
+    int top = 0;
+    std::uint32_t current = 0;
+    for (;;) {
+        const std::uint32_t index = current & kLeafIndex;
+        bool goOn = true;
+        if (!(current & kLeaf)) {
+            const Node& node = tree.nodes[current];
+            if (kCount) ++visits->nodes;
+            F32 enter;
+            const unsigned mask = meets(node, lanes, limit, enter);
+            if (mask) {
+                current = pushAny(node, mask, references, top);
+                continue;
+            }
+        } else {
+            switch (current >> kLeafKindShift & 7) {
+            case kTriangleLeaf:
+                goOn =
+                    crossTriangles<kCount>(tree.triangles[index], f, exclude, last, sink, visits);
+                break;
+            case kSphereLeaf:
+                goOn = crossSpheres<kCount>(tree.spheres[index], f, last, sink, visits);
+                break;
+            case kParallelogramLeaf:
+                goOn = crossParallelograms<kCount>(tree.parallelograms[index], f, exclude, last,
+                                                   sink, visits);
+                break;
+            default:
+                goOn =
+                    crossRecord<kCount>(tree, tree.records[index], f, exclude, last, sink, visits);
+            }
+        }
+        if (!goOn) return false;
+        if (top == 0) return true;
+        current = references[--top];
+    }
+}
+
+void closest(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    if (visits)
+        closestImpl<true>(tree, ray, hit, visits);
+    else
+        closestImpl<false>(tree, ray, hit, nullptr);
+}
+
+bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
+    return visits ? occludedImpl<true>(tree, ray, visits) : occludedImpl<false>(tree, ray, nullptr);
+}
+
+bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, Visits* visits) {
+    return visits ? crossingsImpl<true>(tree, ray, sink, visits)
+                  : crossingsImpl<false>(tree, ray, sink, nullptr);
+}
+
+void scan(const TreeView& tree, std::uint32_t triangleBlocks, std::uint32_t sphereBlocks,
+          std::uint32_t parallelogramBlocks, std::uint32_t runs, const Ray& ray, Hit* hit) {
+    const Frame f = frameOf(ray);
+    Best best{ray.tMax, 0, 0, 0, false};
+    const LeafRecord everything{0, triangleBlocks,      0, sphereBlocks,
+                                0, parallelogramBlocks, 0, runs};
+    closestInRecord<false>(tree, everything, ray, f, static_cast<std::uint32_t>(ray.exclude), best,
+                           nullptr);
+    answer(best, hit);
+}

@@ -1,0 +1,17 @@
+// The queries for avx2; see kernel.hpp.
+#include <core/octree/kernel.hpp>
+#include <core/octree/octree.hpp>
+#include <core/octree/tables.hpp>
+
+#include <immintrin.h>
+
+namespace rt::octree::avx2 {
+namespace {
+#include "lanes_avx2.inl"
+
+#include "kernel.inl"
+} // namespace
+
+const Kernel kernel = {"avx2", closest, occluded, crossings, scan};
+
+} // namespace rt::octree::avx2

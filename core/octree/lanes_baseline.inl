@@ -1,0 +1,116 @@
+// 8 lanes on SSE2, which every x86-64 has: f64 in four registers, f32 in two.
+
+struct F64 {
+    __m128d a, b, c, d;
+};
+struct Mask {
+    __m128d a, b, c, d;
+};
+
+#define RT_LANES_BINARY(type, name, op)                                                            \
+    inline type name(F64 x, F64 y) {                                                               \
+        return {op(x.a, y.a), op(x.b, y.b), op(x.c, y.c), op(x.d, y.d)};                           \
+    }
+
+inline F64 load(const double* p) {
+    return {_mm_load_pd(p), _mm_load_pd(p + 2), _mm_load_pd(p + 4), _mm_load_pd(p + 6)};
+}
+inline F64 all(double x) {
+    const __m128d v = _mm_set1_pd(x);
+    return {v, v, v, v};
+}
+inline void store(double* p, F64 x) {
+    _mm_store_pd(p, x.a);
+    _mm_store_pd(p + 2, x.b);
+    _mm_store_pd(p + 4, x.c);
+    _mm_store_pd(p + 6, x.d);
+}
+RT_LANES_BINARY(F64, operator+, _mm_add_pd)
+RT_LANES_BINARY(F64, operator-, _mm_sub_pd)
+RT_LANES_BINARY(F64, operator*, _mm_mul_pd)
+RT_LANES_BINARY(F64, operator/, _mm_div_pd)
+RT_LANES_BINARY(F64, smaller, _mm_min_pd) // a < b ? a : b
+RT_LANES_BINARY(F64, larger, _mm_max_pd)  // a > b ? a : b
+RT_LANES_BINARY(Mask, operator<, _mm_cmplt_pd)
+RT_LANES_BINARY(Mask, operator<=, _mm_cmple_pd)
+RT_LANES_BINARY(Mask, operator>, _mm_cmpgt_pd)
+RT_LANES_BINARY(Mask, operator>=, _mm_cmpge_pd)
+RT_LANES_BINARY(Mask, operator==, _mm_cmpeq_pd)
+inline __m128d notEqualOrdered(__m128d x, __m128d y) {
+    return _mm_and_pd(_mm_cmpneq_pd(x, y), _mm_cmpord_pd(x, y));
+}
+RT_LANES_BINARY(Mask, operator!=, notEqualOrdered)
+inline F64 squareRoot(F64 x) {
+    return {_mm_sqrt_pd(x.a), _mm_sqrt_pd(x.b), _mm_sqrt_pd(x.c), _mm_sqrt_pd(x.d)};
+}
+inline __m128d choose(__m128d m, __m128d x, __m128d y) {
+    return _mm_or_pd(_mm_and_pd(m, x), _mm_andnot_pd(m, y));
+}
+inline F64 select(Mask m, F64 x, F64 y) {
+    return {choose(m.a, x.a, y.a), choose(m.b, x.b, y.b), choose(m.c, x.c, y.c),
+            choose(m.d, x.d, y.d)};
+}
+inline Mask both(Mask x, Mask y) {
+    return {_mm_and_pd(x.a, y.a), _mm_and_pd(x.b, y.b), _mm_and_pd(x.c, y.c), _mm_and_pd(x.d, y.d)};
+}
+inline Mask either(Mask x, Mask y) {
+    return {_mm_or_pd(x.a, y.a), _mm_or_pd(x.b, y.b), _mm_or_pd(x.c, y.c), _mm_or_pd(x.d, y.d)};
+}
+inline unsigned bits(Mask m) {
+    return static_cast<unsigned>(_mm_movemask_pd(m.a) | _mm_movemask_pd(m.b) << 2 |
+                                 _mm_movemask_pd(m.c) << 4 | _mm_movemask_pd(m.d) << 6);
+}
+
+#undef RT_LANES_BINARY
+
+struct F32 {
+    __m128 a, b;
+};
+
+inline F32 load(const float* p) { return {_mm_load_ps(p), _mm_load_ps(p + 4)}; }
+inline F32 all(float x) {
+    const __m128 v = _mm_set1_ps(x);
+    return {v, v};
+}
+inline F32 smaller(F32 x, F32 y) { return {_mm_min_ps(x.a, y.a), _mm_min_ps(x.b, y.b)}; }
+inline F32 larger(F32 x, F32 y) { return {_mm_max_ps(x.a, y.a), _mm_max_ps(x.b, y.b)}; }
+inline F32 productMinus(F32 x, F32 y, F32 z) {
+    return {_mm_sub_ps(_mm_mul_ps(x.a, y.a), z.a), _mm_sub_ps(_mm_mul_ps(x.b, y.b), z.b)};
+}
+inline unsigned bitsLessEqual(F32 x, F32 y) {
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(x.a, y.a)) |
+                                 _mm_movemask_ps(_mm_cmple_ps(x.b, y.b)) << 4);
+}
+
+struct Order {
+    unsigned mirror;
+};
+
+inline Order orderOf(unsigned mirror) { return {mirror}; }
+
+/// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
+inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
+                             std::uint32_t* references, float* enters, int& top) {
+    const unsigned nearest = kTables.nearest[order.mirror][mask];
+    mask &= ~(1u << nearest);
+    if (mask) {
+        alignas(16) float t[kLanes];
+        _mm_store_ps(t, enter.a);
+        _mm_store_ps(t + 4, enter.b);
+        for (unsigned j = kLanes; j-- > 0;) {
+            const unsigned slot = j ^ order.mirror;
+            if (!(mask >> slot & 1)) continue;
+            references[top] = node.child[slot];
+            enters[top++] = t[slot];
+        }
+    }
+    return node.child[nearest];
+}
+
+/// Puts all children in `mask` but the first on the stack in any order; returns the first.
+inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, int& top) {
+    const std::uint32_t next = node.child[__builtin_ctz(mask)];
+    for (mask &= mask - 1; mask; mask &= mask - 1)
+        references[top++] = node.child[__builtin_ctz(mask)];
+    return next;
+}

@@ -1,0 +1,95 @@
+// The bytes of the octree.
+//
+// Node, 256 bytes, 4 cache lines: the tight boxes of up to 8 children as 6 rows of 8 f32, their 8
+// references, 32 spare bytes. The slot of a child is the octant of the node that it is nearest to, so
+// visiting slots in the order of the ray's signs goes from near to far.
+// Triangle block, 640 bytes: the corners of up to 8 triangles as 9 rows of 8 f64, and their ids.
+// Sphere block, 320 bytes; parallelogram block, 832 bytes: likewise.
+// Unused lanes hold NaN, which no test accepts; unused children hold a box that no ray meets.
+//
+// Node planes are in octree space: (world − centre) · scale, in [−1, 1], rounded outward; scale is a
+// power of two. So f32 boxes are as tight far from the origin, or at any size, as near it.
+#pragma once
+#include <core/geometry/ray.hpp>
+
+#include <cstdint>
+
+namespace rt::octree {
+
+inline constexpr int kLanes = 8;
+
+struct alignas(64) Node {
+    float planes[6][kLanes]; // [2 · axis + (0 lower, 1 upper)][child]
+    std::uint32_t child[kLanes];
+    std::uint32_t spare[kLanes];
+};
+static_assert(sizeof(Node) == 256);
+
+struct alignas(64) TriangleBlock {
+    double corner[3][3][kLanes]; // [corner][axis][lane]
+    std::uint32_t id[kLanes];
+    std::uint32_t spare[kLanes];
+};
+static_assert(sizeof(TriangleBlock) == 640);
+
+struct alignas(64) SphereBlock {
+    double center[3][kLanes], radius[kLanes];
+    std::uint32_t id[kLanes];
+    std::uint32_t spare[kLanes];
+};
+static_assert(sizeof(SphereBlock) == 320);
+
+struct alignas(64) ParallelogramBlock {
+    double corner[4][3][kLanes]; // geometry::cornersOf
+    std::uint32_t id[kLanes];
+    std::uint32_t spare[kLanes];
+};
+static_assert(sizeof(ParallelogramBlock) == 832);
+
+/// Custom primitives of one shape in one leaf: one indirect call.
+struct CustomRun {
+    std::uint32_t shape;        // index into Customs::shapes
+    std::uint32_t first, count; // into TreeView::customPrimitives and customIds
+};
+
+/// A leaf that is more than one block.
+struct LeafRecord {
+    std::uint32_t triangles, triangleBlocks;
+    std::uint32_t spheres, sphereBlocks;
+    std::uint32_t parallelograms, parallelogramBlocks;
+    std::uint32_t runs, runCount;
+};
+
+// A reference to a child: the index of a node, or kLeaf, a LeafKind and the index of a block or record.
+inline constexpr std::uint32_t kLeaf = 1u << 31;
+inline constexpr int kLeafKindShift = 28;
+inline constexpr std::uint32_t kLeafIndex = (1u << kLeafKindShift) - 1;
+inline constexpr std::uint32_t kEmptyChild = 0xFFFFFFFFu;
+enum LeafKind : std::uint32_t {
+    kTriangleLeaf = 0,
+    kSphereLeaf = 1,
+    kParallelogramLeaf = 2,
+    kMixedLeaf = 3
+};
+
+/// Entries of a traversal stack: 7 a level; the builder cuts no deeper than this allows.
+inline constexpr int kStackSize = 1024;
+inline constexpr int kMaxDepth = (kStackSize - 8) / 7;
+
+/// What the kernels see of a tree.
+struct TreeView {
+    const Node* nodes; // node 0 is the root; null when the tree has none
+    const TriangleBlock* triangles;
+    const SphereBlock* spheres;
+    const ParallelogramBlock* parallelograms;
+    const LeafRecord* records;
+    const CustomRun* runs;
+    const std::uint32_t* customPrimitives;
+    const std::uint32_t* customIds;
+    const geometry::Primitives* primitives;
+    double center[3];
+    double scale;
+    LeafRecord unbounded; // primitives without finite bounds: every ray tests them
+};
+
+} // namespace rt::octree
