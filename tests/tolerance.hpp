@@ -18,4 +18,9 @@ inline constexpr double kSrgbBranchGap = 3e-8;
 /// Relative error of a short chain of n rounded operations.
 inline double roundings(int n) { return numeric::gamma(n); }
 
+/// STABILITY.md R1: total reflection is decided right this far, in radians, from the critical angle.
+inline constexpr double kCriticalAngle = 1e-12;
+/// STABILITY.md R2: 1000 parallel slabs, as an angle in radians; and lengths in pictures of such.
+inline constexpr double kSlabChain = 1e-12;
+
 } // namespace rt::tolerance

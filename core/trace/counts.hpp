@@ -1,0 +1,20 @@
+// What a render counted; sums over tiles in tile order, so the same for any number of threads.
+#pragma once
+#include <core/octree/octree.hpp>
+
+#include <cstdint>
+
+namespace rt::trace {
+
+struct RayCounts {
+    std::uint64_t primary = 0, reflected = 0, refracted = 0, shadow = 0;
+    std::uint64_t cutByDepth = 0, cutByContribution = 0;
+    std::uint64_t notFinite = 0; // samples that were not a number or infinite, drawn black
+    double lostByDepth = 0;      // sum over samples of the largest weight of each ray cut by depth
+    std::uint32_t deepest = 0;   // bounces
+    octree::Visits visits;
+
+    RayCounts& operator+=(const RayCounts& o);
+};
+
+} // namespace rt::trace

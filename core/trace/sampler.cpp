@@ -1,0 +1,108 @@
+#include <core/trace/sampler.hpp>
+
+#include <core/trace/tone.hpp>
+
+#include <cmath>
+
+namespace rt::trace {
+namespace {
+
+bool isFinite(const LinearRgb& c) {
+    return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
+}
+
+template <Features kFeatures>
+void sampleLight(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
+                 Scratch& scratch, RayCounts& counts) {
+    NoObserver nobody;
+    Whitted<kFeatures> whitted(view.stage, scratch, counts, nobody);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        geometry::Ray ray = view.camera.through(points[i].column, points[i].row);
+        colors[i] = {};
+        if (!view.stage.box.clip(ray)) continue; // the ray never enters the scene: black
+        const LinearRgb light = whitted.radiance(ray);
+        if (isFinite(light))
+            colors[i] = toned(light, view.tone);
+        else
+            ++counts.notFinite;
+    }
+}
+
+/// Nodes and primitives that all rays of the sample visited.
+template <bool kTransmission>
+void sampleCost(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
+                Scratch& scratch, RayCounts& counts) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        RayCounts one;
+        sampleLight<Features{kTransmission, true}>(view, points.subspan(i, 1), colors + i, scratch,
+                                                   one);
+        const octree::Visits& v = one.visits;
+        colors[i] = LinearRgb::grey(
+            static_cast<double>(v.nodes + v.triangles + v.spheres + v.parallelograms + v.customs));
+        counts += one;
+    }
+}
+
+LinearRgb normalColor(const geometry::Surface& surface, double) {
+    const Vec3& n = surface.shadingNormal;
+    return {(n.x + 1) / 2, (n.y + 1) / 2, (n.z + 1) / 2};
+}
+
+LinearRgb depthColor(const geometry::Surface&, double distance) {
+    return LinearRgb::grey(distance);
+}
+
+/// Well spread and never black; the same for the same object in every picture.
+LinearRgb idColor(const geometry::Surface& surface, double) {
+    auto h = static_cast<std::uint32_t>(surface.object) + 1;
+    h = (h ^ (h >> 16)) * 0x7feb352du; // [Wellons, hash-prospector, 2018]
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    h ^= h >> 16;
+    const auto channel = [&](unsigned shift) { return (64 + ((h >> shift) & 0xFF) * 0.75) / 256; };
+    return {channel(0), channel(8), channel(16)};
+}
+
+/// Something of the first surface; black where there is none.
+template <LinearRgb (*kColor)(const geometry::Surface&, double distance)>
+void sampleFirstHit(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
+                    Scratch&, RayCounts& counts) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        geometry::Ray ray = view.camera.through(points[i].column, points[i].row);
+        colors[i] = {};
+        if (!view.stage.box.clip(ray)) continue;
+        ++counts.primary;
+        const geometry::Hit hit = view.stage.octree.closest(ray);
+        if (!hit) continue;
+        const auto surface = geometry::surfaceAt(view.stage.world.primitives, ray, hit);
+        const Vec3 fromEye = surface.position - view.camera.eye();
+        const LinearRgb color = kColor(surface, std::sqrt(dot(fromEye, fromEye)));
+        if (isFinite(color))
+            colors[i] = color;
+        else
+            ++counts.notFinite;
+    }
+}
+
+} // namespace
+
+Sampler samplerFor(const Stage& stage, const Options& options) {
+    switch (options.shade) {
+    case Shade::full:
+        break;
+    case Shade::normals:
+        return sampleFirstHit<normalColor>;
+    case Shade::depth:
+        return sampleFirstHit<depthColor>;
+    case Shade::id:
+        return sampleFirstHit<idColor>;
+    case Shade::cost:
+        return stage.transmits ? sampleCost<true> : sampleCost<false>;
+    }
+    if (options.count)
+        return stage.transmits ? sampleLight<Features{true, true}>
+                               : sampleLight<Features{false, true}>;
+    return stage.transmits ? sampleLight<Features{true, false}>
+                           : sampleLight<Features{false, false}>;
+}
+
+} // namespace rt::trace

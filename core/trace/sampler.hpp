@@ -1,0 +1,30 @@
+// Samples of the picture: what is seen through one point of it.
+#pragma once
+#include <core/trace/camera.hpp>
+#include <core/trace/render.hpp>
+#include <core/trace/whitted.hpp>
+
+#include <span>
+
+namespace rt::trace {
+
+/// Columns and rows from the top-left corner of the picture; pixel (x, y) is [x, x + 1) x [y, y + 1).
+struct PicturePoint {
+    double column, row;
+};
+
+/// What a sampler reads; shared by all threads.
+struct View {
+    const Stage& stage;
+    Camera camera;
+    scene::Tone tone;
+};
+
+/// colors[i] is what is seen through points[i], after tone. A pure function of the view and the point.
+using Sampler = void (*)(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
+                         Scratch& scratch, RayCounts& counts);
+
+/// The kernel that is compiled for what the stage has and the options want.
+Sampler samplerFor(const Stage& stage, const Options& options);
+
+} // namespace rt::trace

@@ -1,0 +1,115 @@
+#include <core/trace/stage.hpp>
+
+#include <core/numeric/rounding.hpp>
+
+#include <algorithm>
+
+namespace rt::trace {
+namespace {
+
+using geometry::Kind;
+using geometry::Primitives;
+using geometry::Segment;
+using numeric::Box3d;
+
+Box3d boundsOf(const Primitives& primitives, const Segment& segment) {
+    Box3d box;
+    for (std::uint32_t i = segment.index; i < segment.index + segment.count; ++i)
+        switch (segment.kind) {
+        case Kind::triangle:
+            for (const auto corner : primitives.triangles.indices[i])
+                box.add(primitives.triangles.positions[corner]);
+            break;
+        case Kind::sphere: {
+            const auto& [center, radius] = primitives.spheres[i];
+            box.add(center - radius);
+            box.add(center + radius);
+            break;
+        }
+        case Kind::parallelogram: {
+            const auto& [origin, u, v] = primitives.parallelograms[i];
+            for (const Vec3& corner : {origin, origin + u, origin + v, origin + u + v})
+                box.add(corner);
+            break;
+        }
+        case Kind::custom:
+            box.add(primitives.customs.primitives[i].bounds);
+            break;
+        }
+    // Surfaces coincide when they are within each other's error bounds: γ32 of their coordinates.
+    const double slack =
+        numeric::gamma(32) * std::max(numeric::maxComponent(numeric::abs(box.min)),
+                                      numeric::maxComponent(numeric::abs(box.max)));
+    return {box.min - slack, box.max + slack};
+}
+
+bool overlap(const Box3d& a, const Box3d& b) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(a.min[axis] <= b.max[axis] && b.min[axis] <= a.max[axis])) return false;
+    return true;
+}
+
+bool segmentTransmits(const world::World& world, const Segment& segment) {
+    const auto& ofTriangles = world.primitives.triangles.materials;
+    const auto transmits = [&](geometry::MaterialId id) {
+        return !world.materials[static_cast<std::uint32_t>(id)].isOpaque();
+    };
+    if (segment.kind != Kind::triangle || ofTriangles.empty()) return transmits(segment.material);
+    return std::any_of(ofTriangles.begin() + segment.index,
+                       ofTriangles.begin() + segment.index + segment.count, transmits);
+}
+
+std::vector<bool> objectsThatMayCoincide(const world::World& world) {
+    const auto& segments = world.primitives.segments;
+    std::size_t objects = world.objectNames.size();
+    for (const Segment& s : segments)
+        objects = std::max(objects, static_cast<std::size_t>(s.object) + 1);
+
+    struct Extent {
+        Box3d box;
+        std::size_t object;
+        bool transmits;
+    };
+    std::vector<Extent> extents;
+    for (const Segment& s : segments)
+        extents.push_back({boundsOf(world.primitives, s), static_cast<std::size_t>(s.object),
+                           segmentTransmits(world, s)});
+    // Sweep along x: only boxes that are open at the same x are compared.
+    std::sort(extents.begin(), extents.end(),
+              [](const Extent& a, const Extent& b) { return a.box.min.x < b.box.min.x; });
+    std::vector<bool> may(objects, false);
+    std::vector<const Extent*> open;
+    for (const Extent& next : extents) {
+        std::erase_if(open, [&](const Extent* e) { return e->box.max.x < next.box.min.x; });
+        for (const Extent* e : open) {
+            if (e->object == next.object || !(e->transmits || next.transmits)) continue;
+            if ((may[e->object] || !e->transmits) && (may[next.object] || !next.transmits))
+                continue;
+            if (!overlap(e->box, next.box)) continue;
+            if (e->transmits) may[e->object] = true;
+            if (next.transmits) may[next.object] = true;
+        }
+        open.push_back(&next);
+    }
+    return may;
+}
+
+} // namespace
+
+Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
+             const scene::Description& description)
+    : octree(tree), world(theWorld), background(description.background, theWorld),
+      box(description.bounds), depth(description.render.depth), cutoff(description.render.cutoff) {
+    for (std::uint32_t i = 0; i < description.lights.size(); ++i) {
+        const scene::PointLight& light = description.lights[i];
+        const LinearRgb color = light.color * light.brightness;
+        if (!color.isBlack()) lights.push_back({light.position, color, i});
+    }
+    for (const auto& m : world.materials) opaque.push_back(m.isOpaque());
+    nothing.assign(opaque.size(), false);
+    transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),
+                            [&](const Segment& s) { return segmentTransmits(world, s); });
+    if (transmits) mayCoincide = objectsThatMayCoincide(world);
+}
+
+} // namespace rt::trace

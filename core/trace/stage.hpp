@@ -1,0 +1,38 @@
+// What all rays of one render share: geometry, lights, background, and what the scene has any of.
+#pragma once
+#include <core/octree/octree.hpp>
+#include <core/scene/description.hpp>
+#include <core/trace/background.hpp>
+#include <core/trace/scene_box.hpp>
+#include <core/world/world.hpp>
+
+#include <vector>
+
+namespace rt::trace {
+
+struct Light {
+    Vec3 position;
+    LinearRgb color;         // brightness included, not black
+    std::uint32_t index = 0; // in the scene's lights
+};
+
+/// Immutable while rays are traced; threads share it.
+struct Stage {
+    Stage(const octree::Octree& octree, const world::World& world,
+          const scene::Description& description);
+
+    const octree::Octree& octree;
+    const world::World& world;
+    std::vector<Light> lights;
+    Background background;
+    SceneBox box;
+    std::uint32_t depth;
+    double cutoff;
+
+    bool transmits;            // some surface lets light through
+    std::vector<bool> opaque;  // by MaterialId
+    std::vector<bool> nothing; // by MaterialId, all false: no material stops a query of crossings
+    std::vector<bool> mayCoincide; // by ObjectId: transmissive and within reach of another object
+};
+
+} // namespace rt::trace

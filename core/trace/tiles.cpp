@@ -1,0 +1,51 @@
+#include <core/trace/tiles.hpp>
+
+#include <core/parallel/parallel.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+namespace rt::trace {
+namespace {
+
+constexpr std::uint32_t kTileSide = 16; // pixels
+
+} // namespace
+
+bool forEachPiece(std::size_t pieces, const Options& options, RayCounts& counts, double from,
+                  double to, const std::function<void(std::size_t, Scratch&, RayCounts&)>& body) {
+    std::vector<RayCounts> counted(pieces);
+    std::atomic<bool> complete = true;
+    std::atomic<std::size_t> done = 0;
+    std::mutex reporting;
+    parallel::forEach(pieces, options.threads, [&](std::size_t piece) {
+        if (options.stop && options.stop->load(std::memory_order_relaxed)) {
+            complete = false;
+            return;
+        }
+        thread_local Scratch scratch;
+        body(piece, scratch, counted[piece]);
+        const std::size_t finished = ++done;
+        if (!options.progress) return;
+        const std::unique_lock lock(reporting, std::try_to_lock);
+        if (lock)
+            options.progress(from + (to - from) * static_cast<double>(finished) /
+                                        static_cast<double>(pieces));
+    });
+    for (const RayCounts& c : counted) counts += c;
+    return complete;
+}
+
+Tiles::Tiles(const Region& region)
+    : region_(region), columns_((region.width() + kTileSide - 1) / kTileSide),
+      rows_((region.height() + kTileSide - 1) / kTileSide) {}
+
+Region Tiles::operator[](std::size_t index) const {
+    const auto column = static_cast<std::uint32_t>(index % columns_);
+    const auto row = static_cast<std::uint32_t>(index / columns_);
+    const std::uint32_t x = region_.x0 + column * kTileSide, y = region_.y0 + row * kTileSide;
+    return {x, y, std::min(x + kTileSide, region_.x1), std::min(y + kTileSide, region_.y1)};
+}
+
+} // namespace rt::trace
