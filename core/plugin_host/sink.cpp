@@ -326,8 +326,8 @@ rt_status Sink::addCustomIn(const rt_custom& custom) {
             return refuse(kBadGeometry,
                           "the bounds of primitive " + number(i) + " are empty or not a number");
         boxes[i] = worldBounds(target_.worldFromObject, lower, upper);
-        if (!isUsable(boxes[i].min, "the bounds of primitive", i) ||
-            !isUsable(boxes[i].max, "the bounds of primitive", i))
+        if (!isUsable(boxes[i].min, "the box of primitive", i) ||
+            !isUsable(boxes[i].max, "the box of primitive", i))
             return RT_FAILED;
     }
     auto& to = target_.world->primitives.customs;

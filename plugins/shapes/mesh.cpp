@@ -37,6 +37,7 @@ std::vector<Corners> fan(const std::vector<rt::Vector3>& positions,
     const std::size_t n = polygon.size();
     for (std::size_t i = 0; i < n; ++i)
         normal = normal + rt::cross(positions[polygon[i]], positions[polygon[(i + 1) % n]]);
+    if (normal == rt::Vector3{}) return {};
     for (std::size_t first = 0; first < n; ++first) {
         std::vector<Corners> triangles;
         for (std::size_t i = 1; i + 1 < n; ++i) {

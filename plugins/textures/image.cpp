@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <iostream>
+
 struct ImageParameters {
     enum class Encoding { automatic, srgb, linear };
     enum class Filter { nearest, bilinear };
@@ -188,6 +190,18 @@ private:
     std::string bytes_;
 };
 
+/// What OpenCV says on std::cerr about a file is said better below.
+class QuietErrorStream {
+public:
+    QuietErrorStream() : before_(std::cerr.rdbuf(nullptr)) {}
+    ~QuietErrorStream() { std::cerr.rdbuf(before_); }
+    QuietErrorStream(const QuietErrorStream&) = delete;
+    QuietErrorStream& operator=(const QuietErrorStream&) = delete;
+
+private:
+    std::streambuf* before_;
+};
+
 Image create(const ImageParameters& parameters, rt::Host& host) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     const OpenFile file(parameters.file.path);
@@ -201,6 +215,7 @@ Image create(const ImageParameters& parameters, rt::Host& host) {
 
     cv::Mat pixels;
     try {
+        const QuietErrorStream quiet;
         pixels = cv::imread(file.path(), cv::IMREAD_UNCHANGED);
     } catch (const cv::Exception&) {
         pixels.release();
