@@ -59,6 +59,8 @@ scene::Node materialNode(const MaterialNumbers& numbers) {
         if (equal && bits(first) == 0) continue;
         append(node, key, equal ? numberNode(numbers[first]) : vectorNode(triple(first)));
     }
+    // Without any of the four, rt takes a material for a plain white one.
+    if (node.members.size() == 1) append(node, "diffuse", numberNode(numbers[kDiffuse]));
     if (numbers[kRefractivity].value > 0) append(node, "ior", numberNode(numbers[kRefractivity]));
     append(node, "shininess", numberNode(numbers[kShininess]));
     return node;

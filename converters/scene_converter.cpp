@@ -660,6 +660,7 @@ private:
         Node image = mapNode(true, word.location);
         append(image, "file", textNode(path.spelled, word.location));
         append(image, "encoding", keywordNode("linear", word.location));
+        append(image, "filter", keywordNode("nearest", word.location));
         Node texture = mapNode(true, word.location);
         append(texture, "image", std::move(image));
         return texture;
@@ -766,9 +767,9 @@ private:
             append(shape, "radius", numberNode(n[3]));
             break;
         case Keyword::triangle:
-            append(shape, "p0", vectorNode(slice(n, 0, 3)));
-            append(shape, "p1", vectorNode(slice(n, 3, 3)));
-            append(shape, "p2", vectorNode(slice(n, 6, 3)));
+            append(shape, "a", vectorNode(slice(n, 0, 3)));
+            append(shape, "b", vectorNode(slice(n, 3, 3)));
+            append(shape, "c", vectorNode(slice(n, 6, 3)));
             break;
         case Keyword::parallelogram:
             append(shape, "origin", vectorNode(slice(n, 0, 3)));

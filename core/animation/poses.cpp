@@ -1,0 +1,297 @@
+#include <core/animation/poses.hpp>
+
+#include <core/numeric/elementary.hpp>
+
+#include <algorithm>
+#include <map>
+
+namespace rt::animation {
+namespace {
+
+using numeric::Mat3;
+using scene::FrameRange;
+using scene::Track;
+
+constexpr scene::Code kNoDirection{340}, kNoFace{341};
+
+/// Part of one motion: from share `from` to share `to`.
+struct Jump {
+    std::size_t track; // index into the tracks of the thing that moves
+    double from, to;
+};
+
+/// The jumps up to `frame`, in order. `tracks` is sorted.
+std::vector<Jump> jumpsTo(std::span<const Track* const> tracks, std::uint32_t frame) {
+    std::vector<std::uint32_t> bounds;
+    for (const Track* track : tracks) {
+        bounds.push_back(std::min(track->frames.first, frame));
+        bounds.push_back(std::min(track->frames.last, frame));
+    }
+    std::ranges::sort(bounds);
+    bounds.erase(std::unique(bounds.begin(), bounds.end()), bounds.end());
+
+    std::vector<Jump> jumps;
+    std::vector<std::size_t> active;
+    for (std::size_t i = 0; i + 1 < bounds.size(); ++i) {
+        active.clear();
+        for (std::size_t t = 0; t < tracks.size(); ++t) {
+            if (tracks[t]->frames.first <= bounds[i] && bounds[i + 1] <= tracks[t]->frames.last) active.push_back(t);
+        }
+        const std::uint32_t stride = active.size() == 1 ? bounds[i + 1] - bounds[i] : 1;
+        for (std::uint32_t q = bounds[i]; !active.empty() && q < bounds[i + 1]; q += stride) {
+            for (const std::size_t t : active) {
+                const Track& track = *tracks[t];
+                jumps.push_back({t, shareDone(track.frames, track.easing, q), shareDone(track.frames, track.easing, q + stride)});
+            }
+        }
+    }
+    return jumps;
+}
+
+/// Something rigid that moves, with what a motion remembers about it.
+struct Body {
+    Vec3 restCenter, restNormal{0};
+    AffineTransform worldFromRest;
+    std::vector<Vec3> outward; // by track: the last direction of move_radius, which survives passing the centre
+    std::vector<double> side;  // by track: -1 once move_radius has passed the centre
+
+    Vec3 center() const { return worldFromRest.point(restCenter); }
+};
+
+AffineTransform about(const Vec3& center, const Mat3& linear) { return {linear, center - linear * center}; }
+
+/// worldAfter from worldBefore for this part of the motion of `body`.
+AffineTransform stepOf(const scene::Motion& motion, const Jump& jump, Body& body) {
+    const double share = jump.to - jump.from;
+    if (const auto* rotate = std::get_if<scene::Rotate>(&motion)) {
+        return about(rotate->center, rotation(normalize(rotate->axis), rotate->angle.value * share));
+    }
+    if (const auto* rotateSelf = std::get_if<scene::RotateSelf>(&motion)) {
+        const Vec3 axis = rotateSelf->axis ? *rotateSelf->axis : body.worldFromRest.direction(body.restNormal);
+        if (axis == Vec3(0)) return {};
+        return about(body.center(), rotation(normalize(axis), rotateSelf->angle.value * share));
+    }
+    if (const auto* move = std::get_if<scene::Move>(&motion)) {
+        const Vec3 rest = move->position - body.center();
+        return {Mat3(1), jump.to == 1 ? rest : rest * (share / (1 - jump.from))};
+    }
+    if (const auto* radial = std::get_if<scene::MoveRadius>(&motion)) {
+        const Vec3 fromCenter = body.center() - radial->center;
+        const double radius = numeric::length(fromCenter);
+        double& side = body.side[jump.track];
+        Vec3& outward = body.outward[jump.track];
+        if (radius > 0) outward = fromCenter * (side / radius);
+        const double travelled = radial->distance * share;
+        if (side * radius + travelled < 0) side = -1;
+        else if (side * radius + travelled > 0) side = 1;
+        return {Mat3(1), outward * travelled};
+    }
+    if (const auto* direct = std::get_if<scene::MoveDirect>(&motion)) {
+        return {Mat3(1), normalize(direct->direction) * (direct->distance * share)};
+    }
+    return {}; // keyframes change parameters, not poses
+}
+
+/// What a track of one object acts on as one piece.
+struct Scope {
+    bool each = false;
+    std::optional<std::array<std::uint32_t, 2>> faces; // none: the whole object
+
+    bool contains(std::uint32_t face) const { return !faces || ((*faces)[0] <= face && face <= (*faces)[1]); }
+    bool contains(const Scope& other) const {
+        return !faces || (other.faces && (*faces)[0] <= (*other.faces)[0] && (*other.faces)[1] <= (*faces)[1]);
+    }
+    std::uint64_t size() const { return faces ? std::uint64_t((*faces)[1]) - (*faces)[0] + 1 : UINT64_MAX; }
+    bool isWhole() const { return !faces && !each; }
+};
+
+Body bodyAtRest(const Vec3& center, const Vec3& normal, std::size_t tracks) {
+    return {center, normal, {}, std::vector<Vec3>(tracks, Vec3(0)), std::vector<double>(tracks, 1)};
+}
+
+/// Middle of the centroids of the faces of a scope.
+Vec3 centerOf(const RestObject& object, const Scope& scope) {
+    if (!scope.faces) return object.center;
+    Vec3 sum(0);
+    for (std::uint32_t face = (*scope.faces)[0]; face <= (*scope.faces)[1]; ++face) sum += object.faces[face].centroid;
+    return sum * (1.0 / static_cast<double>(scope.size()));
+}
+
+ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks, std::span<const Scope> scopes,
+                  std::uint32_t frame) {
+    const std::vector<Jump> jumps = jumpsTo(tracks, frame);
+    ObjectPose pose;
+    const bool single = std::ranges::any_of(scopes, [](const Scope& scope) { return !scope.isWhole(); });
+    if (jumps.empty() && !single) return pose;
+
+    // Each group moves with the groups that contain it; so the largest first. Its own steps are kept for its faces.
+    std::vector<AffineTransform> steps(jumps.size());
+    std::vector<Scope> groups{{}};
+    for (const Scope& scope : scopes) {
+        const bool known = std::ranges::any_of(groups, [&](const Scope& group) { return group.faces == scope.faces; });
+        if (!scope.each && !known) groups.push_back(scope);
+    }
+    std::ranges::stable_sort(groups, std::ranges::greater{}, &Scope::size);
+    for (const Scope& group : groups) {
+        Body body = bodyAtRest(centerOf(object, group), object.normal, tracks.size());
+        for (std::size_t j = 0; j < jumps.size(); ++j) {
+            const Scope& scope = scopes[jumps[j].track];
+            if (scope.each || !scope.contains(group)) continue;
+            if (scope.faces == group.faces) steps[j] = stepOf(*tracks[jumps[j].track]->motion, jumps[j], body);
+            body.worldFromRest = steps[j] * body.worldFromRest;
+        }
+        if (!group.faces) pose.worldFromRest = body.worldFromRest;
+    }
+    if (!single) return pose;
+
+    pose.faces.reserve(object.faces.size());
+    for (std::uint32_t face = 0; face < object.faces.size(); ++face) {
+        Body body = bodyAtRest(object.faces[face].centroid, object.faces[face].normal, tracks.size());
+        for (std::size_t j = 0; j < jumps.size(); ++j) {
+            const Scope& scope = scopes[jumps[j].track];
+            if (!scope.contains(face)) continue;
+            const AffineTransform step = scope.each ? stepOf(*tracks[jumps[j].track]->motion, jumps[j], body) : steps[j];
+            body.worldFromRest = step * body.worldFromRest;
+        }
+        pose.faces.push_back(body.worldFromRest);
+    }
+    return pose;
+}
+
+void sortByFrames(std::vector<const Track*>& tracks) {
+    std::ranges::stable_sort(tracks, [](const Track* a, const Track* b) {
+        return std::pair(a->frames.first, a->frames.last) < std::pair(b->frames.first, b->frames.last);
+    });
+}
+
+bool isKeyframed(const Track& track) {
+    return !track.motion || std::holds_alternative<scene::Keyframes>(*track.motion);
+}
+
+std::optional<scene::Camera> cameraAt(const scene::Description& description, std::uint32_t frame,
+                                      scene::Diagnostics& diagnostics) {
+    using scene::CameraPoint;
+    const scene::Camera& rest = description.camera;
+    const Vec3 forward = normalize(rest.forward), up = normalize(rest.up);
+    // The top point stands over the eye by the part of `up` that is perpendicular to `forward`.
+    const Vec3 restPoints[] = {rest.position, rest.position + rest.screenDistance * forward,
+                               rest.position + (up - forward * numeric::dot(forward, up))};
+    Vec3 points[3];
+    bool moved = false;
+    const Track* mover = nullptr;
+    for (const CameraPoint point : {CameraPoint::position, CameraPoint::front, CameraPoint::top}) {
+        std::vector<const Track*> tracks;
+        for (const Track& track : description.animation->tracks) {
+            const auto* target = std::get_if<scene::CameraTarget>(&track.target);
+            if (target && target->point == point && !isKeyframed(track)) tracks.push_back(&track);
+        }
+        sortByFrames(tracks);
+        const auto i = static_cast<std::size_t>(point);
+        Body body = bodyAtRest(restPoints[i], Vec3(0), tracks.size());
+        for (const Jump& jump : jumpsTo(tracks, frame)) {
+            mover = tracks[jump.track];
+            body.worldFromRest = stepOf(*mover->motion, jump, body) * body.worldFromRest;
+            moved = true;
+        }
+        points[i] = moved ? body.center() : restPoints[i];
+    }
+    if (!moved) return rest;
+    scene::Camera camera = rest;
+    camera.position = points[0];
+    camera.forward = points[1] - points[0];
+    camera.up = points[2] - points[0];
+    const bool sane = numeric::isFinite(camera.position) && numeric::isFinite(camera.forward) && numeric::isFinite(camera.up);
+    if (!sane || !(numeric::lengthSquared(cross(normalize(camera.forward), normalize(camera.up))) > 0)) {
+        const std::string image = "in frame " + std::to_string(frame) + " ";
+        diagnostics.error(kNoDirection, mover->location,
+                          camera.forward == Vec3(0) ? image + "the camera's position and front point are the same"
+                                                    : image + "the camera looks along its up direction");
+        return std::nullopt;
+    }
+    return camera;
+}
+
+std::vector<BackgroundShare> backgroundAt(const scene::Description& description, std::uint32_t frame) {
+    std::vector<BackgroundShare> shares{{description.background.texture, 1}};
+    std::vector<const Track*> fades;
+    for (const Track& track : description.animation->tracks) {
+        if (std::holds_alternative<scene::BackgroundFade>(track.target)) fades.push_back(&track);
+    }
+    sortByFrames(fades);
+    for (const Track* fade : fades) {
+        const double share = shareDone(fade->frames, fade->easing, frame);
+        if (share == 0) continue;
+        if (share == 1) shares.clear();
+        for (BackgroundShare& earlier : shares) earlier.weight *= 1 - share;
+        shares.push_back({std::get<scene::BackgroundFade>(fade->target).texture, share});
+    }
+    return shares;
+}
+
+} // namespace
+
+double shareDone(const FrameRange& frames, scene::Easing easing, std::uint32_t frame) {
+    if (frame <= frames.first) return 0;
+    if (frame >= frames.last) return 1;
+    const double x = static_cast<double>(frame - frames.first) / static_cast<double>(frames.last - frames.first);
+    return easing == scene::Easing::smooth ? x * x * (3 - 2 * x) : x;
+}
+
+Mat3 rotation(const Vec3& axis, double angle) {
+    const double s = numeric::sin(angle), c = numeric::cos(angle);
+    const Vec3 a = axis * (1 - c);
+    // Columns are the images of x, y and z.
+    return Mat3(Vec3(c + a.x * axis.x, a.x * axis.y + s * axis.z, a.x * axis.z - s * axis.y),
+                Vec3(a.y * axis.x - s * axis.z, c + a.y * axis.y, a.y * axis.z + s * axis.x),
+                Vec3(a.z * axis.x + s * axis.y, a.z * axis.y - s * axis.x, c + a.z * axis.z));
+}
+
+std::vector<bool> facesMove(const scene::Description& description) {
+    std::vector<bool> result(description.objects.size(), false);
+    if (!description.animation) return result;
+    for (const Track& track : description.animation->tracks) {
+        const auto* target = std::get_if<scene::ObjectTarget>(&track.target);
+        if (!target || isKeyframed(track) || !(target->each || target->faces)) continue;
+        for (const std::uint32_t object : target->objects) result[object] = true;
+    }
+    return result;
+}
+
+std::optional<Poses> posesAt(const scene::Description& description, std::span<const RestObject> rest,
+                             std::uint32_t frame, scene::Diagnostics& diagnostics) {
+    Poses poses{description.camera, {{description.background.texture, 1}}, std::vector<ObjectPose>(description.objects.size())};
+    if (!description.animation) return poses;
+    const auto camera = cameraAt(description, frame, diagnostics);
+    if (!camera) return std::nullopt;
+    poses.camera = *camera;
+    poses.background = backgroundAt(description, frame);
+
+    std::map<std::uint32_t, std::vector<const Track*>> tracksOf;
+    for (const Track& track : description.animation->tracks) {
+        const auto* target = std::get_if<scene::ObjectTarget>(&track.target);
+        if (!target || isKeyframed(track)) continue;
+        for (const std::uint32_t object : target->objects) {
+            const std::size_t faces = rest[object].faces.size();
+            if (target->faces && (*target->faces)[1] >= faces) {
+                diagnostics.error(kNoFace, track.location,
+                                  "there is no face " + std::to_string((*target->faces)[1]) + ": the mesh has " +
+                                      std::to_string(faces) + (faces ? ", numbers 0 to " + std::to_string(faces - 1) : ""));
+                return std::nullopt;
+            }
+            tracksOf[object].push_back(&track);
+        }
+    }
+    for (auto& [object, tracks] : tracksOf) {
+        sortByFrames(tracks);
+        std::vector<Scope> scopes;
+        for (const Track* track : tracks) {
+            const auto& target = std::get<scene::ObjectTarget>(track->target);
+            // A planar object is its own one face.
+            scopes.push_back({target.each && !rest[object].faces.empty(), target.faces});
+        }
+        poses.objects[object] = poseOf(rest[object], tracks, scopes, frame);
+    }
+    return poses;
+}
+
+} // namespace rt::animation

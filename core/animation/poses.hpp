@@ -1,0 +1,61 @@
+// Tracks to poses: where everything stands in frame k, as a pure function of the scene at rest and k.
+//
+// A motion acts in steps first <= q < last, so frame k, the state after k steps, shows share (k - first) / (last - first)
+// of it, eased. Where one motion acts alone its closed form is used; where several act on one thing at once they take
+// turns step by step, in the order of (first, last), then of the file. Nothing is carried from frame to frame.
+#pragma once
+#include <core/numeric/transform.hpp>
+#include <core/scene/description.hpp>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace rt::animation {
+
+using numeric::AffineTransform;
+using numeric::Vec3;
+
+/// A face of a mesh at rest, world space. The normal may have any length; 0: none.
+struct RestFace {
+    Vec3 centroid{0}, normal{0};
+};
+
+/// What motions ask of an object at rest, world space.
+struct RestObject {
+    Vec3 center{0};              // what `move` brings to a point and `move_radius` measures from
+    Vec3 normal{0};              // of a planar object, any length; 0: none, and rotate_self needs an axis
+    std::vector<RestFace> faces; // by source face; may be empty unless facesMove() says otherwise
+};
+
+/// Does a track move faces of this object by themselves? Indexed like description.objects.
+std::vector<bool> facesMove(const scene::Description& description);
+
+struct ObjectPose {
+    AffineTransform worldFromRest;       // of what is not listed in `faces`; rigid
+    std::vector<AffineTransform> faces;  // empty, or one per source face, in place of worldFromRest
+};
+
+struct BackgroundShare {
+    std::optional<std::uint32_t> texture; // index into textures; none: the background's colour
+    double weight = 1;
+};
+
+struct Poses {
+    scene::Camera camera;
+    std::vector<BackgroundShare> background; // weights sum to 1; textures of weight 0 are left out
+    std::vector<ObjectPose> objects;         // indexed like description.objects
+};
+
+/// Nothing, and an error, when the camera has no direction or no up in this frame (E0340), or a track names a face
+/// that the mesh does not have (E0341). Keyframes are descriptionAt's.
+std::optional<Poses> posesAt(const scene::Description& description, std::span<const RestObject> rest,
+                             std::uint32_t frame, scene::Diagnostics& diagnostics);
+
+/// Share of a motion over `frames` that is done in `frame`: 0 up to first, 1 from last on.
+double shareDone(const scene::FrameRange& frames, scene::Easing easing, std::uint32_t frame);
+
+/// Right-handed rotation by `angle` about the unit vector `axis` [Rodrigues].
+numeric::Mat3 rotation(const Vec3& axis, double angle);
+
+} // namespace rt::animation
