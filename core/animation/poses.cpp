@@ -35,13 +35,15 @@ std::vector<Jump> jumpsTo(std::span<const Track* const> tracks, std::uint32_t fr
     for (std::size_t i = 0; i + 1 < bounds.size(); ++i) {
         active.clear();
         for (std::size_t t = 0; t < tracks.size(); ++t) {
-            if (tracks[t]->frames.first <= bounds[i] && bounds[i + 1] <= tracks[t]->frames.last) active.push_back(t);
+            if (tracks[t]->frames.first <= bounds[i] && bounds[i + 1] <= tracks[t]->frames.last)
+                active.push_back(t);
         }
         const std::uint32_t stride = active.size() == 1 ? bounds[i + 1] - bounds[i] : 1;
         for (std::uint32_t q = bounds[i]; !active.empty() && q < bounds[i + 1]; q += stride) {
             for (const std::size_t t : active) {
                 const Track& track = *tracks[t];
-                jumps.push_back({t, shareDone(track.frames, track.easing, q), shareDone(track.frames, track.easing, q + stride)});
+                jumps.push_back({t, shareDone(track.frames, track.easing, q),
+                                 shareDone(track.frames, track.easing, q + stride)});
             }
         }
     }
@@ -52,22 +54,27 @@ std::vector<Jump> jumpsTo(std::span<const Track* const> tracks, std::uint32_t fr
 struct Body {
     Vec3 restCenter, restNormal{0};
     AffineTransform worldFromRest;
-    std::vector<Vec3> outward; // by track: the last direction of move_radius, which survives passing the centre
-    std::vector<double> side;  // by track: -1 once move_radius has passed the centre
+    std::vector<Vec3>
+        outward; // by track: the last direction of move_radius, which survives passing the centre
+    std::vector<double> side; // by track: -1 once move_radius has passed the centre
 
     Vec3 center() const { return worldFromRest.point(restCenter); }
 };
 
-AffineTransform about(const Vec3& center, const Mat3& linear) { return {linear, center - linear * center}; }
+AffineTransform about(const Vec3& center, const Mat3& linear) {
+    return {linear, center - linear * center};
+}
 
 /// worldAfter from worldBefore for this part of the motion of `body`.
 AffineTransform stepOf(const scene::Motion& motion, const Jump& jump, Body& body) {
     const double share = jump.to - jump.from;
     if (const auto* rotate = std::get_if<scene::Rotate>(&motion)) {
-        return about(rotate->center, rotation(normalize(rotate->axis), rotate->angle.value * share));
+        return about(rotate->center,
+                     rotation(normalize(rotate->axis), rotate->angle.value * share));
     }
     if (const auto* rotateSelf = std::get_if<scene::RotateSelf>(&motion)) {
-        const Vec3 axis = rotateSelf->axis ? *rotateSelf->axis : body.worldFromRest.direction(body.restNormal);
+        const Vec3 axis =
+            rotateSelf->axis ? *rotateSelf->axis : body.worldFromRest.direction(body.restNormal);
         if (axis == Vec3(0)) return {};
         return about(body.center(), rotation(normalize(axis), rotateSelf->angle.value * share));
     }
@@ -82,8 +89,10 @@ AffineTransform stepOf(const scene::Motion& motion, const Jump& jump, Body& body
         Vec3& outward = body.outward[jump.track];
         if (radius > 0) outward = fromCenter * (side / radius);
         const double travelled = radial->distance * share;
-        if (side * radius + travelled < 0) side = -1;
-        else if (side * radius + travelled > 0) side = 1;
+        if (side * radius + travelled < 0)
+            side = -1;
+        else if (side * radius + travelled > 0)
+            side = 1;
         return {Mat3(1), outward * travelled};
     }
     if (const auto* direct = std::get_if<scene::MoveDirect>(&motion)) {
@@ -97,11 +106,16 @@ struct Scope {
     bool each = false;
     std::optional<std::array<std::uint32_t, 2>> faces; // none: the whole object
 
-    bool contains(std::uint32_t face) const { return !faces || ((*faces)[0] <= face && face <= (*faces)[1]); }
-    bool contains(const Scope& other) const {
-        return !faces || (other.faces && (*faces)[0] <= (*other.faces)[0] && (*other.faces)[1] <= (*faces)[1]);
+    bool contains(std::uint32_t face) const {
+        return !faces || ((*faces)[0] <= face && face <= (*faces)[1]);
     }
-    std::uint64_t size() const { return faces ? std::uint64_t((*faces)[1]) - (*faces)[0] + 1 : UINT64_MAX; }
+    bool contains(const Scope& other) const {
+        return !faces || (other.faces && (*faces)[0] <= (*other.faces)[0] &&
+                          (*other.faces)[1] <= (*faces)[1]);
+    }
+    std::uint64_t size() const {
+        return faces ? std::uint64_t((*faces)[1]) - (*faces)[0] + 1 : UINT64_MAX;
+    }
     bool isWhole() const { return !faces && !each; }
 };
 
@@ -113,22 +127,25 @@ Body bodyAtRest(const Vec3& center, const Vec3& normal, std::size_t tracks) {
 Vec3 centerOf(const RestObject& object, const Scope& scope) {
     if (!scope.faces) return object.center;
     Vec3 sum(0);
-    for (std::uint32_t face = (*scope.faces)[0]; face <= (*scope.faces)[1]; ++face) sum += object.faces[face].centroid;
+    for (std::uint32_t face = (*scope.faces)[0]; face <= (*scope.faces)[1]; ++face)
+        sum += object.faces[face].centroid;
     return sum * (1.0 / static_cast<double>(scope.size()));
 }
 
-ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks, std::span<const Scope> scopes,
-                  std::uint32_t frame) {
+ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks,
+                  std::span<const Scope> scopes, std::uint32_t frame) {
     const std::vector<Jump> jumps = jumpsTo(tracks, frame);
     ObjectPose pose;
-    const bool single = std::ranges::any_of(scopes, [](const Scope& scope) { return !scope.isWhole(); });
+    const bool single =
+        std::ranges::any_of(scopes, [](const Scope& scope) { return !scope.isWhole(); });
     if (jumps.empty() && !single) return pose;
 
     // Each group moves with the groups that contain it; so the largest first. Its own steps are kept for its faces.
     std::vector<AffineTransform> steps(jumps.size());
     std::vector<Scope> groups{{}};
     for (const Scope& scope : scopes) {
-        const bool known = std::ranges::any_of(groups, [&](const Scope& group) { return group.faces == scope.faces; });
+        const bool known = std::ranges::any_of(
+            groups, [&](const Scope& group) { return group.faces == scope.faces; });
         if (!scope.each && !known) groups.push_back(scope);
     }
     std::ranges::stable_sort(groups, std::ranges::greater{}, &Scope::size);
@@ -137,7 +154,8 @@ ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks
         for (std::size_t j = 0; j < jumps.size(); ++j) {
             const Scope& scope = scopes[jumps[j].track];
             if (scope.each || !scope.contains(group)) continue;
-            if (scope.faces == group.faces) steps[j] = stepOf(*tracks[jumps[j].track]->motion, jumps[j], body);
+            if (scope.faces == group.faces)
+                steps[j] = stepOf(*tracks[jumps[j].track]->motion, jumps[j], body);
             body.worldFromRest = steps[j] * body.worldFromRest;
         }
         if (!group.faces) pose.worldFromRest = body.worldFromRest;
@@ -146,11 +164,13 @@ ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks
 
     pose.faces.reserve(object.faces.size());
     for (std::uint32_t face = 0; face < object.faces.size(); ++face) {
-        Body body = bodyAtRest(object.faces[face].centroid, object.faces[face].normal, tracks.size());
+        Body body =
+            bodyAtRest(object.faces[face].centroid, object.faces[face].normal, tracks.size());
         for (std::size_t j = 0; j < jumps.size(); ++j) {
             const Scope& scope = scopes[jumps[j].track];
             if (!scope.contains(face)) continue;
-            const AffineTransform step = scope.each ? stepOf(*tracks[jumps[j].track]->motion, jumps[j], body) : steps[j];
+            const AffineTransform step =
+                scope.each ? stepOf(*tracks[jumps[j].track]->motion, jumps[j], body) : steps[j];
             body.worldFromRest = step * body.worldFromRest;
         }
         pose.faces.push_back(body.worldFromRest);
@@ -160,7 +180,8 @@ ObjectPose poseOf(const RestObject& object, std::span<const Track* const> tracks
 
 void sortByFrames(std::vector<const Track*>& tracks) {
     std::ranges::stable_sort(tracks, [](const Track* a, const Track* b) {
-        return std::pair(a->frames.first, a->frames.last) < std::pair(b->frames.first, b->frames.last);
+        return std::pair(a->frames.first, a->frames.last) <
+               std::pair(b->frames.first, b->frames.last);
     });
 }
 
@@ -200,18 +221,22 @@ std::optional<scene::Camera> cameraAt(const scene::Description& description, std
     camera.position = points[0];
     camera.forward = points[1] - points[0];
     camera.up = points[2] - points[0];
-    const bool sane = numeric::isFinite(camera.position) && numeric::isFinite(camera.forward) && numeric::isFinite(camera.up);
-    if (!sane || !(numeric::lengthSquared(cross(normalize(camera.forward), normalize(camera.up))) > 0)) {
+    const bool sane = numeric::isFinite(camera.position) && numeric::isFinite(camera.forward) &&
+                      numeric::isFinite(camera.up);
+    if (!sane ||
+        !(numeric::lengthSquared(cross(normalize(camera.forward), normalize(camera.up))) > 0)) {
         const std::string image = "in frame " + std::to_string(frame) + " ";
         diagnostics.error(kNoDirection, mover->location,
-                          camera.forward == Vec3(0) ? image + "the camera's position and front point are the same"
-                                                    : image + "the camera looks along its up direction");
+                          camera.forward == Vec3(0)
+                              ? image + "the camera's position and front point are the same"
+                              : image + "the camera looks along its up direction");
         return std::nullopt;
     }
     return camera;
 }
 
-std::vector<BackgroundShare> backgroundAt(const scene::Description& description, std::uint32_t frame) {
+std::vector<BackgroundShare> backgroundAt(const scene::Description& description,
+                                          std::uint32_t frame) {
     std::vector<BackgroundShare> shares{{description.background.texture, 1}};
     std::vector<const Track*> fades;
     for (const Track& track : description.animation->tracks) {
@@ -233,7 +258,8 @@ std::vector<BackgroundShare> backgroundAt(const scene::Description& description,
 double shareDone(const FrameRange& frames, scene::Easing easing, std::uint32_t frame) {
     if (frame <= frames.first) return 0;
     if (frame >= frames.last) return 1;
-    const double x = static_cast<double>(frame - frames.first) / static_cast<double>(frames.last - frames.first);
+    const double x =
+        static_cast<double>(frame - frames.first) / static_cast<double>(frames.last - frames.first);
     return easing == scene::Easing::smooth ? x * x * (3 - 2 * x) : x;
 }
 
@@ -257,9 +283,12 @@ std::vector<bool> facesMove(const scene::Description& description) {
     return result;
 }
 
-std::optional<Poses> posesAt(const scene::Description& description, std::span<const RestObject> rest,
-                             std::uint32_t frame, scene::Diagnostics& diagnostics) {
-    Poses poses{description.camera, {{description.background.texture, 1}}, std::vector<ObjectPose>(description.objects.size())};
+std::optional<Poses> posesAt(const scene::Description& description,
+                             std::span<const RestObject> rest, std::uint32_t frame,
+                             scene::Diagnostics& diagnostics) {
+    Poses poses{description.camera,
+                {{description.background.texture, 1}},
+                std::vector<ObjectPose>(description.objects.size())};
     if (!description.animation) return poses;
     const auto camera = cameraAt(description, frame, diagnostics);
     if (!camera) return std::nullopt;
@@ -274,8 +303,9 @@ std::optional<Poses> posesAt(const scene::Description& description, std::span<co
             const std::size_t faces = rest[object].faces.size();
             if (target->faces && (*target->faces)[1] >= faces) {
                 diagnostics.error(kNoFace, track.location,
-                                  "there is no face " + std::to_string((*target->faces)[1]) + ": the mesh has " +
-                                      std::to_string(faces) + (faces ? ", numbers 0 to " + std::to_string(faces - 1) : ""));
+                                  "there is no face " + std::to_string((*target->faces)[1]) +
+                                      ": the mesh has " + std::to_string(faces) +
+                                      (faces ? ", numbers 0 to " + std::to_string(faces - 1) : ""));
                 return std::nullopt;
             }
             tracksOf[object].push_back(&track);

@@ -23,8 +23,8 @@ struct RestFace {
 
 /// What motions ask of an object at rest, world space.
 struct RestObject {
-    Vec3 center{0};              // what `move` brings to a point and `move_radius` measures from
-    Vec3 normal{0};              // of a planar object, any length; 0: none, and rotate_self needs an axis
+    Vec3 center{0}; // what `move` brings to a point and `move_radius` measures from
+    Vec3 normal{0}; // of a planar object, any length; 0: none, and rotate_self needs an axis
     std::vector<RestFace> faces; // by source face; may be empty unless facesMove() says otherwise
 };
 
@@ -32,8 +32,8 @@ struct RestObject {
 std::vector<bool> facesMove(const scene::Description& description);
 
 struct ObjectPose {
-    AffineTransform worldFromRest;       // of what is not listed in `faces`; rigid
-    std::vector<AffineTransform> faces;  // empty, or one per source face, in place of worldFromRest
+    AffineTransform worldFromRest;      // of what is not listed in `faces`; rigid
+    std::vector<AffineTransform> faces; // empty, or one per source face, in place of worldFromRest
 };
 
 struct BackgroundShare {
@@ -49,8 +49,9 @@ struct Poses {
 
 /// Nothing, and an error, when the camera has no direction or no up in this frame (E0340), or a track names a face
 /// that the mesh does not have (E0341). Keyframes are descriptionAt's.
-std::optional<Poses> posesAt(const scene::Description& description, std::span<const RestObject> rest,
-                             std::uint32_t frame, scene::Diagnostics& diagnostics);
+std::optional<Poses> posesAt(const scene::Description& description,
+                             std::span<const RestObject> rest, std::uint32_t frame,
+                             scene::Diagnostics& diagnostics);
 
 /// Share of a motion over `frames` that is done in `frame`: 0 up to first, 1 from last on.
 double shareDone(const scene::FrameRange& frames, scene::Easing easing, std::uint32_t frame);
