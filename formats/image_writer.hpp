@@ -1,7 +1,8 @@
-// A picture to bytes by file suffix, and bytes to a file that is either the old one or the complete new one.
+// A picture to bytes, by the suffix of its file. (Bytes to a file: atomic_file.hpp.)
 #pragma once
 #include <core/image/framebuffer.hpp>
 #include <core/scene/description.hpp>
+#include <formats/atomic_file.hpp>
 
 #include <cstddef>
 #include <future>
@@ -17,21 +18,22 @@ enum class ImageFormat : std::uint8_t { png, jpeg, bmp, exr, pfm };
 /// By the lower-cased suffix of `path`; nothing for any other.
 std::optional<ImageFormat> imageFormatOf(std::string_view path);
 
-/// PFM is written by this program; the others by the codec module, which this opens on a thread of its own.
-/// Call before tracing starts; throws std::runtime_error from get() when the module cannot be opened.
+/// PFM is written by this program; the others by codec modules (PNG: libpng, EXR: OpenEXR, JPEG and BMP: OpenCV), which
+/// this opens on a thread of their own. Call before tracing starts; get() throws std::runtime_error when the module
+/// cannot be opened.
 std::shared_future<void> openCodec(ImageFormat format);
 
 struct Encoding {
-    scene::Encoding transfer = scene::Encoding::srgb; // ignored by EXR and PFM, which are linear f32
-    std::uint32_t bits = 8;                           // PNG: 8 or 16
-    int quality = 95;                                 // JPEG
+    scene::Encoding transfer =
+        scene::Encoding::srgb; // ignored by EXR and PFM, which are linear f32
+    std::uint32_t bits = 8;    // PNG: 8 or 16; ignored by the others
+    int quality = 95;          // JPEG: 1 to 100
 };
 
-/// Encoded in memory. Throws std::runtime_error.
-std::vector<std::byte> encodeImage(const image::Framebuffer& frame, ImageFormat format, const Encoding& encoding);
-
-/// Temporary name beside `path`, write, fsync, rename, fsync of the folder. Throws std::system_error and leaves the
-/// old file untouched.
-void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes);
+/// Encoded in memory; the same bytes on every machine with the same libraries. Integers as core/image/quantize.hpp
+/// rounds them (NaN is 0); f32 to nearest, NaN and infinities as they are. A PNG in sRGB says so in a chunk; a linear
+/// one is left untagged, so that viewers show its numbers as the original program's were. Throws std::runtime_error.
+std::vector<std::byte> encodeImage(const image::Framebuffer& frame, ImageFormat format,
+                                   const Encoding& encoding);
 
 } // namespace rt::formats

@@ -14,9 +14,12 @@ struct Framebuffer {
     std::vector<LinearRgb> pixels; // width * height, row by row
 
     Framebuffer() = default;
-    Framebuffer(std::uint32_t w, std::uint32_t h) : width(w), height(h), pixels(std::size_t(w) * h) {}
+    Framebuffer(std::uint32_t w, std::uint32_t h)
+        : width(w), height(h), pixels(std::size_t(w) * h) {}
     LinearRgb& at(std::uint32_t x, std::uint32_t y) { return pixels[std::size_t(y) * width + x]; }
-    const LinearRgb& at(std::uint32_t x, std::uint32_t y) const { return pixels[std::size_t(y) * width + x]; }
+    const LinearRgb& at(std::uint32_t x, std::uint32_t y) const {
+        return pixels[std::size_t(y) * width + x];
+    }
 };
 
 } // namespace rt::image

@@ -19,8 +19,8 @@ namespace {
 }
 
 TEST(Flags, NoContraction) {
-    volatile double a = 1 + 0x1p-30,
-                    b = 1 - 0x1p-30; // a b = 1 - 2^-60 rounds to 1; an FMA would keep -2^-60
+    volatile double a = 1 + 1 / 0x1p30,
+                    b = 1 - 1 / 0x1p30; // a b = 1 - 2^-60 rounds to 1; an FMA would keep -2^-60
     EXPECT_EQ(productMinus(a, b, 1), 0);
     volatile double c = 1.0 / 3;
     EXPECT_EQ(determinant(c, c, c, c), 0); // an FMA leaves the rounding error of the product

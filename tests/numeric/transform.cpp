@@ -10,7 +10,7 @@ namespace {
 using namespace rt::numeric;
 
 Vec3 randomVector(std::mt19937_64& random) {
-    const auto draw = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
+    const auto draw = [&] { return static_cast<double>(random() >> 11) / 0x1p52 - 1; };
     const double x = draw(), y = draw(), z = draw();
     return {x, y, z};
 }
@@ -73,7 +73,7 @@ TEST(Transform, SimilarityScale) {
     EXPECT_EQ(scaleOf({-2, 0, 0}, {0, 2, 0}, {0, 0, 2}), 2);
     EXPECT_EQ(scaleOf({3, 0, 0}, {0, 3, 0}, {0, 0, 3}), 3);
     EXPECT_FALSE(kShear.similarityScale());
-    EXPECT_FALSE(scaleOf({1, 0, 0}, {0, 1, 0}, {0, 0, 1 + 0x1p-40}));
+    EXPECT_FALSE(scaleOf({1, 0, 0}, {0, 1, 0}, {0, 0, 1 + 1 / 0x1p40}));
     EXPECT_FALSE(scaleOf(Vec3(0), Vec3(0), Vec3(0)));
     EXPECT_FALSE(scaleOf(Vec3(kInfinity), Vec3(0), Vec3(0)));
 }
@@ -86,7 +86,7 @@ TEST(Transform, RotationTurnsRightHanded) {
     expectNear(rotation({0, 1, 0}, {quarter}).point({0, 0, 1}), {1, 0, 0}, bound);
     expectNear(rotation({1, 1, 1}, {2 * quarter * 2 / 3}).point({1, 0, 0}), {0, 1, 0}, bound);
     EXPECT_TRUE(rotation({3, 1, 2}, {0}).isIdentity());
-    for (const double size : {0x1p-600, 0x1p600}) // squares would leave the range
+    for (const double size : {1 / 0x1p600, 0x1p600}) // squares would leave the range
         EXPECT_EQ(rotation(Vec3(1, 2, 2) * size, {1}).linear, rotation({1, 2, 2}, {1}).linear);
 }
 

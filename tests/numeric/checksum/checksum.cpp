@@ -21,7 +21,7 @@ int main() {
         return z ^ (z >> 31);
     };
     for (int i = 0; i < 200000; ++i) {
-        const double unit = static_cast<double>(draw() >> 11) * 0x1p-53, signedUnit = 2 * unit - 1;
+        const double unit = static_cast<double>(draw() >> 11) / 0x1p53, signedUnit = 2 * unit - 1;
         const double any = std::bit_cast<double>(draw());
         for (const double x : {signedUnit, 700 * signedUnit, 1e6 * signedUnit, any}) {
             add(numeric::exp(x)), add(numeric::log(std::fabs(x)));
