@@ -26,5 +26,12 @@ inline double roundings(int n) { return numeric::gamma(n); }
 inline constexpr double kCriticalAngle = 1e-12;
 /// STABILITY.md R2: 1000 parallel slabs, as an angle in radians; and lengths in pictures of such.
 inline constexpr double kSlabChain = 1e-12;
+/// Two refractions at a ball, in radians: each sine carries a few roundings of coordinates of about 5
+/// and is steepest, 1 / cos, at the largest height tested (0.9 of the radius).
+inline constexpr double kBall = 1e-13;
+/// An angle across the seam or beside the pole of a background, in radians: far below a texel.
+inline constexpr double kSeamStep = 1e-9;
+/// STABILITY.md R4: a white furnace, against 1.
+inline constexpr double kFurnace = 1e-12;
 
 } // namespace rt::tolerance

@@ -201,39 +201,37 @@ private:
                   const material::Material& material, const LinearRgb& color) {
         double ratio = 1; // index in front over index behind
         if (facing.surface.solid) ratio = facing.leaving ? material.ior : 1 / material.ior;
-        Coincident& also = scratch_.coincident;
-        const bool coincides =
-            stage_.mayCoincide[static_cast<std::uint32_t>(facing.surface.object)];
-        if (coincides) {
-            findCoincident(stage_, work.ray, hit, facing.surface, scratch_.crossings, also,
-                           visits());
-            ratio *= also.indexRatio;
+        const Coincident* also = nullptr;
+        if (stage_.mayCoincide[static_cast<std::uint32_t>(facing.surface.object)]) {
+            findCoincident(stage_, work.ray, hit, facing.surface, scratch_.crossings,
+                           scratch_.coincident, visits());
+            also = &scratch_.coincident;
+            ratio *= also->indexRatio;
         }
+        const bool ends = also && also->opaque; // in contact: nothing between that could bend it
         Vec3 direction = work.ray.direction;
-        if (ratio != 1) {
-            const bool usable =
-                dot(direction, facing.normal) < 0; // an interpolated normal may not be
-            const Vec3& normal = usable ? facing.normal : facing.geometric;
-            const auto bent = refracted(direction, normal, ratio);
+        if (ratio != 1 && !ends) {
+            // An interpolated normal may point away from the viewer.
+            const bool usable = dot(direction, facing.normal) < 0;
+            const auto bent =
+                refracted(direction, usable ? facing.normal : facing.geometric, ratio);
             if (!bent) return false;
             direction = -intoHemisphere(-*bent, facing.geometric);
         }
         Work child;
         child.kind = RayKind::refracted;
         child.weight = work.weight * (color * material.transmission);
-        if (coincides) child.weight *= also.filter;
+        if (also) child.weight *= also->filter;
         if (!admit(work, child)) return true;
         geometry::Surface from = facing.surface;
-        if (coincides) from.error += also.error;
+        if (also) from.error += also->error;
         child.ray = geometry::spawnRay(from, direction);
-        if constexpr (Observer::kActive)
-            observer_.transmitted(child, facing, coincides ? &also : nullptr);
-        if (coincides && also.opaque) {
-            // The passage ends on it: nothing lies between, so there is no ray to trace.
-            geometry::Surface end = *also.opaque;
+        if constexpr (Observer::kActive) observer_.transmitted(child, facing, also);
+        if (ends) {
+            geometry::Surface end = *also->opaque;
             end.error += from.error;
             if constexpr (Observer::kActive) observer_.starts(child);
-            shade(child, also.opaqueHit, end);
+            shade(child, also->opaqueHit, end);
         } else {
             push(child);
         }

@@ -1,6 +1,6 @@
+#include <core/numeric/angle.hpp>
 #include <core/trace/direction.hpp>
 #include <tests/tolerance.hpp>
-#include <tests/trace/scene_maker.hpp>
 
 #include <gtest/gtest.h>
 
@@ -64,33 +64,6 @@ TEST(Unit, survivesTheEndsOfTheRange) {
     for (const double scale : {1 / 1e300, 1 / 1e160, 1.0, 1e160, 1e300}) {
         const Vec3 u = unit(Vec3{3, 4, 12} * scale);
         EXPECT_LE(length(u - Vec3{3, 4, 12} / 13.0), tolerance::roundings(8)) << scale;
-    }
-}
-
-// ---- through the whole renderer --------------------------------------------------------------
-
-/// Ray through a slab of `layers` boxes one unit thick, indices relative to air, against a screen
-/// whose color is its position: where the ray lands says how it was bent.
-TEST(Glass, slabDisplacesTheRayAsComputedByHand) {
-    for (const double degrees : {10.0, 30.0, 60.0, 80.0}) {
-        const double angle = degrees * numeric::kRadiansPerDegree;
-        SceneMaker scene;
-        scene.box({-50, 2, -50}, {50, 3, 50}, scene.add(clear(1.5)));
-        Material screen = flatColored({1, 1, 1});
-        screen.environment = {0, 0, 0};
-        screen.diffuse = {1, 1, 1};
-        auto texture = uvTexture();
-        screen.colorTexture = &texture;
-        scene.parallelogram({-64, 5, -64}, {128, 0, 0}, {0, 0, 128}, scene.add(screen));
-        // A light so far off that its cosine at the screen is 1 everywhere, beyond no glass.
-        scene.light({0, 4, 0});
-        const LinearRgb seen = scene.along({0, 0, 0.3}, {std::sin(angle), std::cos(angle), 0});
-        const double inside = std::asin(std::sin(angle) / 1.5);
-        const double x = (2 + 2) * std::tan(angle) + std::tan(inside);
-        // The light stands one unit before the screen at (0, 4, 0).
-        const double cosine = 1 / std::sqrt(x * x + 0.3 * 0.3 + 1);
-        EXPECT_NEAR(seen.r, (x + 64) / 128 * cosine, tolerance::kSlabChain) << degrees;
-        EXPECT_NEAR(seen.g, (0.3 + 64) / 128 * cosine, tolerance::kSlabChain) << degrees;
     }
 }
 
