@@ -95,6 +95,8 @@ struct Catalog::Impl {
 Catalog::Catalog(std::vector<fs::path> folders)
     : impl_(std::make_unique<Impl>(std::move(folders))) {}
 Catalog::~Catalog() = default;
+Catalog::Catalog(Catalog&&) noexcept = default;
+Catalog& Catalog::operator=(Catalog&&) noexcept = default;
 
 std::variant<scene::TypeRows, scene::TypeRefusal> Catalog::find(scene::TypeKind kind,
                                                                 std::string_view name) {

@@ -22,6 +22,8 @@ public:
     /// both files.
     explicit Catalog(std::vector<std::filesystem::path> folders);
     ~Catalog() override;
+    Catalog(Catalog&&) noexcept;
+    Catalog& operator=(Catalog&&) noexcept;
 
     std::variant<scene::TypeRows, scene::TypeRefusal> find(scene::TypeKind kind,
                                                            std::string_view name) override;
