@@ -34,4 +34,7 @@ inline constexpr double kSeamStep = 1e-9;
 /// STABILITY.md R4: a white furnace, against 1.
 inline constexpr double kFurnace = 1e-12;
 
+/// Numbers of other programs: half a unit of the last printed digit, a tenth more for their own f32 sums.
+inline constexpr double kPrintedDigits = 1.1;
+
 } // namespace rt::tolerance
