@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kSmoothingUnstated = kNone;
 struct FaceRun {
     std::uint32_t firstFace = 0;
     std::uint32_t smoothing = kSmoothingUnstated; // smoothing group
-    std::uint32_t material = kNone;               // index into materials
+    std::uint32_t material = kNone;               // index into materialNames
     std::uint32_t object = kNone, group = kNone;  // indices into names
 };
 
@@ -47,9 +47,12 @@ struct MeshFile {
     std::vector<std::uint32_t> cornerUv, cornerNormal; // per corner or kNone; empty: none has one
     std::vector<FaceRun> runs;                         // by rising firstFace; the first is face 0
 
-    std::vector<Material> materials; // those that faces use and whose definition was found
-    std::vector<std::string> names;  // of objects and groups
-    std::vector<std::string> materialLibraries, materialNames; // as written; names per material
+    std::vector<std::string> names;             // of objects and groups
+    std::vector<std::string> materialLibraries; // as written
+    std::vector<std::string> materialNames;     // as faces use them
+    std::vector<std::uint32_t>
+        materialIndex; // per name: into materials, or kNone where no library defines it
+    std::vector<Material> materials;
     std::vector<std::string> notes; // what was left out, one sentence each
 
     std::uint32_t faceCount() const { return static_cast<std::uint32_t>(faceStart.size() - 1); }

@@ -134,6 +134,10 @@ private:
         return file_.runs[at];
     }
 
+    std::uint32_t materialOf(const FaceRun& r) const {
+        return r.material == kNone ? kNone : file_.materialIndex[r.material];
+    }
+
     void takeTriangles() {
         std::vector<std::uint32_t> vertex(file_.positions.size(), kNone); // compact number
         const auto& vertices = triangles_.connected.vertices;
@@ -157,7 +161,7 @@ private:
             out_.mesh.triangles.push_back({vertex[v[0]], vertex[v[1]], vertex[v[2]]});
             out_.mesh.sourceFaces.push_back(sourceFace(t));
             if (!file_.materials.empty())
-                out_.mesh.materials.push_back(runOf(sourceFace(t), at).material);
+                out_.mesh.materials.push_back(materialOf(runOf(sourceFace(t), at)));
         }
     }
 

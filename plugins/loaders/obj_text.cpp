@@ -305,25 +305,20 @@ private:
     }
 
     void resolveMaterials() {
-        std::vector<std::uint32_t> used(mesh_.materialNames.size(), kNone);
-        std::vector<std::string> names;
-        for (FaceRun& r : mesh_.runs) {
-            if (r.material == kNone) continue;
-            const auto found = known_.find(mesh_.materialNames[r.material]);
+        std::vector<char> used(mesh_.materialNames.size(), 0);
+        for (const FaceRun& r : mesh_.runs)
+            if (r.material != kNone) used[r.material] = 1;
+        mesh_.materialIndex.assign(used.size(), kNone);
+        for (std::uint32_t i = 0; i < used.size(); ++i) {
+            if (!used[i]) continue;
+            const auto found = known_.find(mesh_.materialNames[i]);
             if (found == known_.end()) {
-                note(unknownMaterials_, materialPlaces_[r.material]);
-                r.material = kNone;
+                note(unknownMaterials_, materialPlaces_[i]);
                 continue;
             }
-            std::uint32_t& index = used[r.material];
-            if (index == kNone) {
-                index = static_cast<std::uint32_t>(mesh_.materials.size());
-                mesh_.materials.push_back(found->second);
-                names.push_back(found->first);
-            }
-            r.material = index;
+            mesh_.materialIndex[i] = static_cast<std::uint32_t>(mesh_.materials.size());
+            mesh_.materials.push_back(found->second);
         }
-        mesh_.materialNames = std::move(names);
     }
 
     static void note(Ignored& ignored, const char* at) {
@@ -342,7 +337,7 @@ private:
         addNote(colours_, "vertex colours are not used");
         addNote(weights_, "vertex weights are not used");
         addNote(unknownMaterials_,
-                "usemtl name materials that no library defines; the object's is used");
+                "material names are defined by no library; the object's material is used");
         for (const auto& [keyword, ignored] : ignored_) {
             if (keyword == "l")
                 addNote(ignored, "lines (l) are not drawn");

@@ -2,7 +2,8 @@
 // OpenMesh's readers lose vertices and faces and say that all is well; OpenMesh holds the connectivity.
 #include "mesh_import.hpp"
 
-#include "file_bytes.hpp"
+#include "report.hpp"
+#include "write_obj.hpp"
 
 #include <rt/plugin.hpp>
 
@@ -36,8 +37,20 @@ void load(const ImportOptions& options, const rt::File& file, rt::Kind kind, rt:
     out.mesh(import.mesh);
 }
 
+void repair(const ImportOptions& options, const rt::File& file, rt::TextOut& mesh,
+            rt::TextOut& report, bool everyFace) {
+    const rt::loaders::MeshFile read = rt::loaders::readMesh(file.path);
+    const rt::loaders::RepairedMesh repaired = rt::loaders::repair(read, options.repair);
+    if (mesh)
+        rt::loaders::writeObj(read, repaired, [&](std::string_view text) { mesh.write(text); });
+    if (report)
+        rt::loaders::writeReport(read, repaired, everyFace,
+                                 [&](std::string_view text) { report.write(text); });
+}
+
 } // namespace
 
-RT_LOADER_PLUGIN("openmesh", "1.0.0", "obj|ply", kParameters, load,
-                 "Reads OBJ and PLY meshes, also gzipped, and repairs them.",
-                 "- mesh: {file: dragon.obj, kind: solid, normals: smooth, material: glass}\n")
+RT_REPAIRING_LOADER_PLUGIN(
+    "openmesh", "1.0.0", "obj|ply", kParameters, load, repair,
+    "Reads OBJ and PLY meshes, also gzipped, and repairs them.",
+    "- mesh: {file: dragon.obj, kind: solid, normals: smooth, material: glass}\n")

@@ -186,11 +186,23 @@ typedef struct rt_shape {          /* growable */
     rt_status (*lower)(const rt_host *, const rt_value *values, rt_sink *);
 } rt_shape;
 
+/* Where a module writes text; modules open no file for writing. */
+typedef struct rt_text_sink {      /* growable */
+    uint32_t struct_size, reserved;
+    rt_status (*write)(struct rt_text_sink *, const char *bytes, uint64_t size);
+} rt_text_sink;
+
+enum { RT_REPORT_FACES = 1u << 0 /* the report also says what became of every face */ };
+
 typedef struct rt_loader {         /* growable */
     uint32_t struct_size, param_count;
     const rt_param *params;
     const char *extensions;        /* "obj|ply", lower case; documentation: the host's table decides    */
     rt_status (*load)(const rt_host *, const char *path, uint32_t kind, const rt_value *values, rt_sink *);
+    /* [setup] The file repaired as load() repairs it, as OBJ text into `mesh`, and what was done to it, as a
+     * JSON object, into `report`; either may be NULL. NULL: this loader repairs nothing. */
+    rt_status (*repair)(const rt_host *, const char *path, const rt_value *values, rt_text_sink *mesh,
+                        rt_text_sink *report, uint32_t flags);
 } rt_loader;
 
 typedef struct rt_surface_point {  /* frozen */

@@ -352,6 +352,19 @@ concept HasCrossings = requires(const T& primitive, const rt_ray& ray, double* t
     { primitive.crossings(ray, t, capacity) } -> std::same_as<std::uint32_t>;
 };
 
+/// Text on its way to a file that the host writes, or to nowhere.
+class TextOut {
+public:
+    explicit TextOut(rt_text_sink* sink) : sink_(sink) {}
+    explicit operator bool() const { return sink_ != nullptr; }
+    void write(std::string_view text) {
+        if (sink_) detail::check(sink_->write(sink_, text.data(), text.size()));
+    }
+
+private:
+    rt_text_sink* sink_;
+};
+
 /// The only door through which a shape or loader hands over geometry. Everything is copied before a
 /// call returns.
 class Geometry : public Host {
@@ -548,6 +561,15 @@ rt_status load(const rt_host* host, const char* path, std::uint32_t kind, const 
     });
 }
 
+template <const auto& P, auto Repair>
+rt_status repair(const rt_host* host, const char* path, const rt_value* values, rt_text_sink* mesh,
+                 rt_text_sink* report, std::uint32_t flags) noexcept {
+    return barrier<P>(host, [&] {
+        TextOut meshOut(mesh), reportOut(report);
+        Repair(fill<P>(values), File{path}, meshOut, reportOut, (flags & RT_REPORT_FACES) != 0);
+    });
+}
+
 template <const auto& P, auto Create> struct TextureOf {
     using State = std::remove_cvref_t<decltype(Create(std::declval<const OwnerOf<P>&>(),
                                                       std::declval<Host&>()))>;
@@ -571,7 +593,8 @@ template <const auto& P, auto Create> struct TextureOf {
     static constexpr auto resolution() -> void (*)(const void*, std::uint32_t*) {
         if constexpr (requires(const State& s) { std::array<std::uint32_t, 2>(s.resolution()); })
             return [](const void* state, std::uint32_t* size) {
-                const std::array<std::uint32_t, 2> r = static_cast<const State*>(state)->resolution();
+                const std::array<std::uint32_t, 2> r =
+                    static_cast<const State*>(state)->resolution();
                 size[0] = r[0], size[1] = r[1];
             };
         else
@@ -621,11 +644,21 @@ constexpr rt_module module(const char* name, const char* version, const char* do
 
 /// EXTENSIONS: "obj|ply". LOAD: void (const T&, const rt::File&, rt::Kind, rt::Geometry&)
 #define RT_LOADER_PLUGIN(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, DOC, EXAMPLE)                \
+    RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, nullptr, DOC, EXAMPLE)
+
+/// As RT_LOADER_PLUGIN. REPAIR: void (const T&, const rt::File&, rt::TextOut& mesh, rt::TextOut& report,
+/// bool everyFace)
+#define RT_REPAIRING_LOADER_PLUGIN(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR, DOC,       \
+                                   EXAMPLE)                                                        \
+    RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD,                                 \
+                      (&rt::detail::repair<PARAMETERS, REPAIR>), DOC, EXAMPLE)
+
+#define RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR_ENTRY, DOC, EXAMPLE) \
     namespace {                                                                                    \
     constexpr auto kRtRows = rt::detail::rows(PARAMETERS);                                         \
-    constexpr rt_loader kRtLoader{sizeof(rt_loader), static_cast<std::uint32_t>(kRtRows.size()),   \
-                                  kRtRows.data(), EXTENSIONS,                                      \
-                                  &rt::detail::load<PARAMETERS, kRtRows, LOAD>};                   \
+    constexpr rt_loader kRtLoader{                                                                 \
+        sizeof(rt_loader), static_cast<std::uint32_t>(kRtRows.size()),   kRtRows.data(),           \
+        EXTENSIONS,        &rt::detail::load<PARAMETERS, kRtRows, LOAD>, REPAIR_ENTRY};            \
     }                                                                                              \
     extern "C" RT_EXPORT constexpr rt_module rt_plugin_entry =                                     \
         rt::detail::module(NAME, VERSION, DOC, EXAMPLE, nullptr, nullptr, &kRtLoader);
