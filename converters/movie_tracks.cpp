@@ -14,6 +14,9 @@ using scene::Location;
 using scene::Node;
 using scene::quoted;
 
+/// What the scene language takes.
+constexpr double kMaxFrames = 1e6, kMaxFps = 1000;
+
 std::span<const Number> slice(const std::vector<Number>& numbers, std::size_t first,
                               std::size_t count) {
     return std::span(numbers).subspan(first, count);
@@ -178,10 +181,14 @@ private:
         }
         const Number& steps = statement.numbers[0];
         const Number& fps = statement.numbers[1];
-        if (steps.value < 0 || steps.value >= 4294967295.0)
-            outOfRange(steps, "'movie': the number of frames", "0 or more");
-        if (!(fps.value > 0))
-            outOfRange(fps, "'movie': the number of frames per second", "more than 0");
+        if (steps.value < 0 || steps.value >= kMaxFrames) {
+            outOfRange(steps, "'movie': the number of frames",
+                       "from 0 to " + shortest(kMaxFrames - 1));
+        }
+        if (!(fps.value > 0 && fps.value <= kMaxFps)) {
+            outOfRange(fps, "'movie': the number of frames per second",
+                       "more than 0 and at most " + shortest(kMaxFps));
+        }
         diagnostics_.note(statement.spelled.location,
                           "'movie " + shortest(steps.value) + "' drew its start and " +
                               shortest(steps.value) + " steps: frames is " +
@@ -229,6 +236,17 @@ private:
             leftOut.push_back(statement.text);
             return {};
         }
+        if (statement.kind == MovieStatement::Kind::motion &&
+            (statement.type == MotionType::rotate || statement.type == MotionType::moveDirect)) {
+            const std::size_t at = statement.type == MotionType::rotate ? 3 : 0;
+            const auto& n = statement.numbers;
+            if (n[at].value == 0 && n[at + 1].value == 0 && n[at + 2].value == 0) {
+                diagnostics.error(Code{384}, n[at].location,
+                                  std::string(at == 3 ? "the axis" : "the direction") +
+                                      " must not be 0 0 0");
+                return {};
+            }
+        }
         const Node frames = vectorNode(slice(statement.numbers, count - 2, 2));
         const auto trackFor = [&](std::string_view key, Node target) {
             Node track = mapNode(true, statement.spelled.location);
@@ -242,6 +260,7 @@ private:
                 if (context_.complete) diagnostics.error(Code{391}, id.location, noTexture(id));
                 return {};
             }
+            if (&diagnostics == &diagnostics_ && overlapsFade(statement, leftOut)) return {};
             Node track = trackFor(
                 "background",
                 textNode(context_.textureNames[static_cast<std::size_t>(id.value)], id.location));
@@ -285,6 +304,26 @@ private:
             tracks.push_back(std::move(track));
         }
         return tracks;
+    }
+
+    /// Reports a fade that runs at the same time as an earlier one; notes its span otherwise.
+    bool overlapsFade(const MovieStatement& statement, std::vector<std::string>& leftOut) {
+        const double first = statement.numbers[1].value, last = statement.numbers[2].value;
+        for (const Span& other : fades_) {
+            if (last <= other.first || other.last <= first) continue;
+            const std::string message = "this fade overlaps that of line " +
+                                        std::to_string(other.statement->spelled.location.line) +
+                                        ", and there is one at a time";
+            if (context_.lenient) {
+                diagnostics_.note(statement.spelled.location, message + "; the line is left out");
+                leftOut.push_back(statement.text);
+            } else {
+                diagnostics_.error(Code{395}, statement.spelled.location, message);
+            }
+            return true;
+        }
+        fades_.push_back({&statement, first, last});
+        return false;
     }
 
     std::string noTexture(const Number& id) const {
@@ -372,7 +411,7 @@ private:
         const MovieStatement* statement;
         double first, last;
     };
-    std::vector<Span> earlierMotions_;
+    std::vector<Span> earlierMotions_, fades_;
     bool saidSign_ = false, saidRigid_ = false, saidPlanes_ = false, saidOverlap_ = false;
 };
 

@@ -24,7 +24,7 @@ struct MovieContext {
         true; // false: the scene has errors, so numbers may be off and are not held against it
 };
 
-/// Errors E0384 and E0389 to E0392. Comments stay beside what they commented.
+/// Errors E0384, E0389 to E0392 and E0395. Comments stay beside what they commented.
 scene::Node animationNode(const MovieText& movie, const scene::Location& movieFile,
                           const MovieContext& context, scene::Diagnostics& diagnostics);
 

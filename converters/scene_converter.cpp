@@ -29,6 +29,8 @@ constexpr double kPerpendicular = 1 / 1e6;
 constexpr double kBackgroundCenter[] = {50, 50, 0};
 constexpr double kDefaultBackground[] = {0, 0, 1};
 constexpr double kDefaultDepth = 2;
+/// What the scene language takes; beyond that a number is a slip.
+constexpr double kMaxDepth = 1000, kMaxIntensity = 1e6, kMaxIndex = 1000;
 /// How far from square a pixel may be for a window to fit a screen: pictures are cut to whole pixels and screens
 /// stated to two or three digits.
 constexpr double kSquarePixel = 0.02;
@@ -173,6 +175,13 @@ private:
     void collectMaterial(Statement& statement) {
         MaterialNumbers& material = *statement.material;
         Number& refractivity = material[15];
+        for (std::size_t i = 0; i < material.size(); ++i) {
+            const double highest = i == 15 ? kMaxIndex : kMaxIntensity;
+            if (material[i].value > highest || (material[i].value < 0 && i != 15)) {
+                outOfRange(material[i], statement, "'" + std::string(materialNumberName(i)) + "'",
+                           "from 0 to " + shortest(highest));
+            }
+        }
         if (refractivity.value <= 0 && transmits(material)) {
             const std::string message =
                 "light passes through this object, so its refractivity must be more than 0, not " +
@@ -415,6 +424,12 @@ private:
                                          "the original subtracted it");
             }
             notedLight_ = true;
+            for (const Number& number : slice(statement.numbers, 3, statement.numbers.size() - 3)) {
+                if (number.value < 0 || number.value > kMaxIntensity) {
+                    outOfRange(number, statement, "colour and brightness",
+                               "from 0 to " + shortest(kMaxIntensity));
+                }
+            }
             addItem("lights", lightNode(statement), entry);
             break;
         case Keyword::movie:
@@ -626,8 +641,10 @@ private:
 
     void addDepth(const Entry& entry) {
         const Number& depth = entry.statement.numbers[0];
-        if (depth.value < 0)
-            outOfRange(depth, entry.statement, "the number of bounces", "0 or more");
+        if (depth.value < 0 || depth.value > kMaxDepth) {
+            outOfRange(depth, entry.statement, "the number of bounces",
+                       "from 0 to " + shortest(kMaxDepth));
+        }
         comment(
             append(section("render", entry.statement.spelled.location), "depth", numberNode(depth)),
             entry);
@@ -883,7 +900,11 @@ private:
     std::map<Keyword, const Statement*>
         effective_; // the last of its kind, for statements that replace each other
     std::vector<std::string> textures_; // names by legacy index
-    std::set<std::string> textureNames_, objectNames_;
+    std::set<std::string> textureNames_;
+    // Paths in tracks, such as camera.position, begin with these.
+    std::set<std::string> objectNames_{"rt",        "image",    "camera",     "bounds",
+                                       "render",    "textures", "background", "lights",
+                                       "materials", "objects",  "animation"};
     std::map<const Statement*, std::string> names_;
     std::map<Keyword, int> shapeCounts_;
     MaterialNames materials_;

@@ -102,12 +102,6 @@ std::string suggestionFor(std::string_view word) {
     return scene::nearest(word, spellings);
 }
 
-bool looksLikeNumber(std::string_view word) {
-    const std::size_t sign = word.front() == '-' || word.front() == '+' ? 1 : 0;
-    return word.size() > sign &&
-           (std::isdigit(static_cast<unsigned char>(word[sign])) || word[sign] == '.');
-}
-
 class SceneParser {
 public:
     std::optional<Statement> operator()(StatementReader& reader) {
@@ -232,6 +226,8 @@ private:
 };
 
 } // namespace
+
+std::string_view materialNumberName(std::size_t index) { return kMaterialLabels[index].name; }
 
 SceneText parseSceneText(const std::shared_ptr<const scene::Source>& source, bool lenient,
                          scene::Diagnostics& diagnostics) {

@@ -19,6 +19,11 @@ std::string missing(std::span<const NumberLabel> labels) {
 
 } // namespace
 
+bool looksLikeNumber(std::string_view word) {
+    const std::size_t sign = word.front() == '-' || word.front() == '+' ? 1 : 0;
+    return word.size() > sign && ((word[sign] >= '0' && word[sign] <= '9') || word[sign] == '.');
+}
+
 bool StatementReader::numbers(const Word& keyword, std::span<const NumberLabel> labels,
                               std::span<const Number> inherited, std::vector<Number>& out) {
     const std::string statement = quoted(keyword.text);
@@ -104,7 +109,8 @@ bool StatementReader::word(const Word& keyword, std::string_view what, Word& out
 void StatementReader::recover() {
     while (!cursor.atEnd()) {
         const std::string_view next = cursor.peek();
-        if (next.front() == '#' || (cursor.firstOnLine() && startsStatement(next))) return;
+        if (next.front() == '#') return;
+        if (cursor.firstOnLine() && (startsStatement(next) || !looksLikeNumber(next))) return;
         cursor.take();
     }
 }

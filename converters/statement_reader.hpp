@@ -11,6 +11,9 @@ struct NumberLabel {
     bool whole = false;
 };
 
+/// Does it begin like one? `word` is not empty.
+bool looksLikeNumber(std::string_view word);
+
 class StatementReader {
 public:
     using StartsStatement = bool (*)(std::string_view word);
@@ -26,7 +29,7 @@ public:
                  std::span<const Number> inherited, std::vector<Number>& out);
     /// A file name, name or mode; reports and returns false when it is missing.
     bool word(const Word& keyword, std::string_view what, Word& out);
-    /// After an error: to the next line that starts with a statement or a comment.
+    /// After an error: to the next comment, or the next line that does not go on with numbers.
     void recover();
     /// The words up to the next statement, comment or line end, taken and quoted for a message.
     std::string takeUnknown();

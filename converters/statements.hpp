@@ -30,6 +30,8 @@ enum class Keyword : std::uint8_t {
 /// MAT: color, diffuse, specular, transmission, environment (3 each), refractivity, shininess.
 inline constexpr std::size_t kMaterialNumbers = 17;
 using MaterialNumbers = std::array<Number, kMaterialNumbers>;
+/// "diffuse g", as the report calls them.
+std::string_view materialNumberName(std::size_t index);
 
 struct Statement {
     Keyword keyword{};
