@@ -91,9 +91,9 @@ bool startsStatement(std::string_view word) {
 class MovieParser {
 public:
     std::optional<MovieStatement> operator()(StatementReader& reader) {
-        const std::size_t begin = (reader.cursor.peek(), reader.cursor.offset());
-        MovieStatement statement;
         const std::string_view next = reader.cursor.peek();
+        const std::size_t begin = reader.cursor.offset();
+        MovieStatement statement;
         if (!startsStatement(next)) {
             reportUnknown(reader);
             return std::nullopt;
@@ -203,7 +203,7 @@ private:
     static void reportUnknown(StatementReader& reader) {
         const scene::Location location = reader.cursor.here();
         if (reader.lenient) {
-            reader.diagnostics.note(location, "skipped: " + quoted(reader.takeUnknown()));
+            reader.diagnostics.note(location, "skipped: " + quoted(reader.takeUnknown(false)));
             return;
         }
         const std::string word(reader.cursor.peek());

@@ -202,7 +202,7 @@ private:
         const scene::Location location = reader.cursor.here();
         if (reader.lenient) {
             reader.diagnostics.note(location, "skipped, as the original did: " +
-                                                  quoted(reader.takeUnknown()));
+                                                  quoted(reader.takeUnknown(true)));
             return;
         }
         if (looksLikeNumber(word)) {

@@ -115,12 +115,14 @@ void StatementReader::recover() {
     }
 }
 
-std::string StatementReader::takeUnknown() {
-    const std::size_t begin = cursor.here().line ? cursor.offset() : 0;
+std::string StatementReader::takeUnknown(bool tryEach) {
+    cursor.peek();
+    const std::size_t begin = cursor.offset();
     cursor.take();
     while (!cursor.atEnd()) {
         const std::string_view next = cursor.peek();
-        if (next.front() == '#' || startsStatement(next) || cursor.firstOnLine()) break;
+        if (next.front() == '#' || cursor.firstOnLine() || (tryEach && startsStatement(next)))
+            break;
         cursor.take();
     }
     return cursor.textSince(begin);

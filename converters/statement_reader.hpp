@@ -31,8 +31,8 @@ public:
     bool word(const Word& keyword, std::string_view what, Word& out);
     /// After an error: to the next comment, or the next line that does not go on with numbers.
     void recover();
-    /// The words up to the next statement, comment or line end, taken and quoted for a message.
-    std::string takeUnknown();
+    /// The words up to the next comment or line end, or with `tryEach` up to the next statement; taken.
+    std::string takeUnknown(bool tryEach);
     /// Source text from `begin` to here, runs of blanks as one space.
     std::string textSince(std::size_t begin) const { return cursor.textSince(begin); }
 
