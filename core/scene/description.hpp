@@ -5,10 +5,12 @@
 #include <core/numeric/colour.hpp>
 #include <core/numeric/transform.hpp>
 #include <core/scene/diagnostic.hpp>
+#include <rt/plugin.h>
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -35,7 +37,14 @@ struct Image {
 struct Camera {
     Vec3 position{0}, forward{0, 1, 0}, up{0, 0, 1}; // forward and up: any length, not parallel
     double screenWidth = 1, screenHeight = 1, screenDistance = 1;
+
+    // What the file says, where it says it so; resolve() turns them into the members above.
+    std::optional<Vec3> lookAt;         // forward is lookAt - position
+    std::optional<Radians> fieldOfView; // vertical; the screen is at distance 1
 };
+
+/// Screen and forward from fieldOfView and lookAt; `aspect` is the picture's width / height.
+void resolve(Camera& camera, double aspect);
 
 struct AntialiasNone {};
 struct AntialiasFsaa4 {};                      // 2x2 corner samples, each tone-limited, then averaged
@@ -70,6 +79,7 @@ struct Instance {
     std::string type;
     std::vector<Value> values;
     Location location; // of the type's key
+    std::span<const rt_param> rows; // of the values; the type's own, for as long as its catalog lives
 };
 
 struct Texture {
@@ -108,12 +118,26 @@ struct Material {
     Location location;
 };
 
+/// Where an object stands in the world: scaled, then turned by each rotation in turn, then moved.
+struct Placement {
+    struct Rotation {
+        Vec3 axis{0, 0, 1}; // any length but 0
+        Radians angle;
+    };
+    Vec3 scale{1}; // no component is 0
+    std::vector<Rotation> rotations;
+    Vec3 translation{0};
+};
+
+AffineTransform worldFromObject(const Placement& placement);
+
 struct Object {
     std::string name; // unique; invented where the file has none
     Instance shape;
     std::optional<Instance> loader; // of the shape's RT_LOADS file
     std::optional<std::uint32_t> material; // index; none: what the file says, or the default material
-    AffineTransform worldFromObject;
+    Placement placement;
+    AffineTransform worldFromObject; // of the placement
     Location location;
 };
 
@@ -136,6 +160,17 @@ struct Keyframes {
 };
 using Motion = std::variant<Rotate, RotateSelf, Move, MoveRadius, MoveDirect, Keyframes>;
 
+/// A numeric parameter of a description; core/scene/parameter.hpp finds and sets it.
+struct Parameter {
+    enum class Owner : std::uint8_t { camera, background, light, material, texture, shape, loader, placement };
+    Owner owner = Owner::camera;
+    std::uint32_t index = 0;           // light, material, texture; object for shape, loader and placement
+    std::uint32_t value = 0;           // texture, shape, loader: index into the instance's rows
+    const struct Field* field = nullptr; // otherwise
+    const rt_param* row = nullptr;     // type, unit and limits
+    std::size_t components = 1;        // 1 or 3
+};
+
 enum class CameraPoint : std::uint8_t { position, front, top };
 
 /// Faces first..last of a mesh in file order, inclusive. each: every face moves about its own centroid.
@@ -146,7 +181,10 @@ struct ObjectTarget {
 };
 struct CameraTarget { CameraPoint point; };
 /// Any numeric parameter, for keyframes only: "moon.radius", "lights.key.color", "materials.steel.diffuse", "camera.screen.width".
-struct ParameterTarget { std::string path; };
+struct ParameterTarget {
+    std::string path;
+    Parameter parameter;
+};
 struct BackgroundFade { std::uint32_t texture; };
 
 struct Track {

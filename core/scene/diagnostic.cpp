@@ -155,6 +155,17 @@ void Diagnostics::note(Location location, std::string message) {
     all_.push_back({Severity::note, Code{}, std::move(location), std::move(message), {}});
 }
 
+void Diagnostics::add(const Diagnostics& others) {
+    for (const Diagnostic& diagnostic : others.all_) {
+        if (diagnostic.severity != Severity::error)
+            all_.push_back(diagnostic);
+        else
+            error(diagnostic.code, diagnostic.location, diagnostic.message, diagnostic.suggestion);
+    }
+    errorCount_ +=
+        others.errorCount_ - std::min(others.errorCount_, kMaxErrors); // counted, not kept
+}
+
 int Diagnostics::exitCode() const { return exitCode_; }
 
 void Diagnostics::sortByPlace() {

@@ -44,6 +44,8 @@ public:
     void error(Code code, Location location, std::string message, std::string suggestion = {});
     void warning(Location location, std::string message);
     void note(Location location, std::string message);
+    /// Appends what `others` has collected.
+    void add(const Diagnostics& others);
 
     bool failed() const { return errorCount_ != 0; }
     std::size_t errorCount() const { return errorCount_; }
