@@ -25,8 +25,6 @@ CodecModule moduleOf(ImageFormat format) {
     switch (format) {
     case ImageFormat::png:
         return CodecModule::png;
-    case ImageFormat::jpeg:
-        return CodecModule::jpeg;
     case ImageFormat::exr:
         return CodecModule::exr;
     default:

@@ -19,8 +19,8 @@ struct CheckReport {
 
 /// Checks the module `name` of `catalog`: that it opens; its rows and docs; then a shape's or texture's behaviour with its
 /// defaults and with each of `examples`, instances of the type (validated from the module's own example text, say).
-/// Deterministic: rays and points come from a fixed seed.
+/// `rays`: against each custom shape, and points of a texture. Deterministic: they come from a fixed seed.
 CheckReport checkModule(Catalog& catalog, const std::string& name,
-                        const std::vector<scene::Instance>& examples = {});
+                        const std::vector<scene::Instance>& examples = {}, int rays = 100000);
 
 } // namespace rt::plugin_host

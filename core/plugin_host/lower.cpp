@@ -262,7 +262,7 @@ private:
         const rt_module* module = moduleOf(scene::TypeKind::texture, "image", call.location);
         if (module == nullptr) return call.failed = true, nullptr;
         const std::span rows(module->texture->params, module->texture->param_count);
-        scene::Instance instance{"image", {}, call.location};
+        scene::Instance instance{"image", {}, call.location, rows};
         for (const rt_param& row : rows) {
             const bool isFile = std::string_view(row.name) == "file";
             scene::Value value{path, call.location};

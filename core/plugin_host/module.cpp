@@ -1,6 +1,7 @@
 #include <core/plugin_host/module.hpp>
 
 #include <core/plugin_host/stamp.hpp>
+#include <core/scene/validate.hpp>
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -136,6 +137,10 @@ std::string whyRowsAreWrong(const rt_param* rows, std::uint32_t count, bool mayL
             return which + " has choices without being a choice, or none";
         if ((row.flags & RT_LOADS) != 0 && (row.type != RT_FILE || !mayLoad))
             return which + " cannot be loaded";
+        if (row.fallback == nullptr) continue;
+        const auto value = scene::defaultValue(row);
+        if (const auto* why = std::get_if<std::string>(&value))
+            return which + " has a default that " + *why;
     }
     return {};
 }

@@ -10,10 +10,11 @@
 
 namespace rt::scene {
 
-/// The scene's textures, for keys that name one.
+/// Textures that may be named where a map stands.
 struct TextureNames {
     std::unordered_map<std::string, std::uint32_t> indices;
     std::vector<std::string> names; // in file order
+    std::uint32_t visible = 0;      // the first so many may be named
 };
 
 class MapReader {

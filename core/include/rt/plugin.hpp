@@ -64,6 +64,50 @@ inline double length(Vector3 a) { return std::sqrt(dot(a, a)); }
 inline Vector3 normalize(Vector3 a) { return a / length(a); }
 constexpr Vector3 vector(const double v[3]) { return {v[0], v[1], v[2]}; }
 
+/// Right-handed, orthonormal.
+struct Basis {
+    Vector3 u, v, w;
+};
+
+/// A basis whose w is `unit` [Duff et al. 2017, JCGT 6(1)].
+inline Basis basisAbout(Vector3 unit) {
+    const double sign = std::copysign(1.0, unit.z), a = -1 / (sign + unit.z),
+                 b = unit.x * unit.y * a;
+    return {{1 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x},
+            {b, sign + unit.y * unit.y * a, -unit.y},
+            unit};
+}
+
+/// The angle of (x, y) counter-clockwise from the x axis as a share of a turn, in [0, 1); 0 for (0, 0). Within 4 ulp of 1,
+/// and of + - * / only, so the same bits on every machine: the C library's atan2 differs between processors.
+inline double turns(double y, double x) {
+    // atan(z) = atan(c) + atan((z - c) / (1 + z c)) with c = k / 8 the multiple nearest to z in [0, 1]; the Taylor series
+    // of the rest, |w| <= 1/16, is exact to 2^-60 after w^13.
+    constexpr double kAtan[9] = {0,
+                                 0.12435499454676143503,
+                                 0.24497866312686415417,
+                                 0.35877067027057222040,
+                                 0.46364760900080611621,
+                                 0.55859931534356243597,
+                                 0.64350110879328438680,
+                                 0.71882999962162450542,
+                                 0.78539816339744830962};
+    constexpr double kTurn = 6.28318530717958647693;
+    const double ax = std::fabs(x), ay = std::fabs(y);
+    if (!(ax > 0 || ay > 0)) return 0;
+    const bool steep = ay > ax;
+    const double z = steep ? ax / ay : ay / ax;
+    const int k = static_cast<int>(8 * z + 0.5);
+    const double c = k / 8.0, w = (z - c) / (1 + z * c), q = w * w;
+    double series = 1.0 / 13;
+    for (int n = 11; n >= 1; n -= 2) series = 1.0 / n - q * series;
+    double share = (kAtan[k] + w * series) / kTurn; // in [0, 1/8]
+    if (steep) share = 0.25 - share;
+    if (x < 0) share = 0.5 - share;
+    if (y < 0) share = 1 - share;
+    return share < 1 ? share : 0;
+}
+
 /// Linear Rec. 709.
 struct Color {
     double r = 0, g = 0, b = 0;
