@@ -69,17 +69,13 @@ const MotionSignature* findMotion(std::string_view word) {
 std::optional<std::array<std::uint64_t, 2>> objectRange(std::string_view word) {
     std::array<std::uint64_t, 2> range{};
     const char* const end = word.data() + word.size();
-    auto [stop, error] = std::from_chars(word.data(), end, range[0]);
-    if (error != std::errc{}) return std::nullopt;
+    const auto first = std::from_chars(word.data(), end, range[0]);
+    if (first.ec != std::errc{}) return std::nullopt;
     range[1] = range[0];
-    if (stop != end) {
-        if (*stop != '-') return std::nullopt;
-        std::tie(stop, error) = [&] {
-            const auto parsed = std::from_chars(stop + 1, end, range[1]);
-            return std::pair(parsed.ptr, parsed.ec);
-        }();
-        if (error != std::errc{} || stop != end) return std::nullopt;
-    }
+    if (first.ptr == end) return range;
+    if (*first.ptr != '-') return std::nullopt;
+    const auto last = std::from_chars(first.ptr + 1, end, range[1]);
+    if (last.ec != std::errc{} || last.ptr != end) return std::nullopt;
     return range;
 }
 

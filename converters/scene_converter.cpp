@@ -545,9 +545,10 @@ private:
         static constexpr std::string_view kFilms[] = {".avi", ".mp4", ".mkv", ".webm"};
         static constexpr std::string_view kPictures[] = {".png", ".jpg", ".jpeg",
                                                          ".bmp", ".exr", ".pfm"};
-        const bool known = hasMovie() ? std::ranges::find(kFilms, suffix) != std::end(kFilms)
-                                      : std::ranges::find(kPictures, suffix) != std::end(kPictures);
-        if (!known) {
+        const bool film = std::ranges::find(kFilms, suffix) != std::end(kFilms);
+        const bool picture = std::ranges::find(kPictures, suffix) != std::end(kPictures);
+        if (!(hasMovie() ? film : picture)) {
+            if (film || picture) file.resize(file.size() - suffix.size());
             file += hasMovie() ? ".avi" : ".png";
             diagnostics_.note(word.location, quoted(word.text) + " names no " +
                                                  (hasMovie() ? "film" : "picture") +

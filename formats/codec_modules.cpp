@@ -10,7 +10,7 @@
 namespace rt::formats {
 namespace {
 
-constexpr std::array<const char*, 3> kNames = {"png", "exr", "opencv"};
+constexpr std::array<const char*, 4> kNames = {"png", "jpeg", "exr", "opencv"};
 
 const rt_codec_table* load(CodecModule module) {
     const std::string file =

@@ -62,32 +62,6 @@ private:
     std::string_view all_;
 };
 
-/// Walks the segments of a JPEG up to the end marker, which a truncated file lacks and a decoder does not miss.
-/// ITU-T T.81, annex B.
-Size jpegSize(const Bytes& bytes) {
-    std::optional<Size> size;
-    for (std::size_t i = 2;;) {
-        if (bytes.at(i) != 0xff) damaged("a JPEG marker is missing");
-        while (bytes.at(i) == 0xff) ++i;
-        const std::uint32_t marker = bytes.at(i++);
-        if (marker == 0xd9) break;                                          // end of image
-        if (marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7)) continue; // without a length
-        const std::size_t segment = i;
-        i += bytes.big16(segment);
-        if (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 &&
-            marker != 0xcc) // a frame header
-            size = Size{bytes.big16(segment + 5), bytes.big16(segment + 3)};
-        if (marker ==
-            0xda) { // a scan: its data end at a marker that is neither a stuffed zero nor a restart
-            while (!(bytes.at(i) == 0xff && bytes.at(i + 1) != 0 &&
-                     !(bytes.at(i + 1) >= 0xd0 && bytes.at(i + 1) <= 0xd7)))
-                ++i;
-        }
-    }
-    if (!size) damaged("a JPEG without a frame");
-    return *size;
-}
-
 Size bmpSize(const Bytes& bytes) {
     if (bytes.little32(14) == 12) return {bytes.little16(18), bytes.little16(20)}; // OS/2 header
     const auto width = static_cast<std::int32_t>(bytes.little32(18)),
@@ -295,8 +269,7 @@ void decodeSamples(std::string_view text, PictureKind kind, Destination& to) {
     case PictureKind::exr:
         return decodeByModule(text, CodecModule::exr, RT_CODEC_EXR, to);
     case PictureKind::jpeg:
-        checkSize(jpegSize(bytes), to.maxPixels);
-        return decodeByModule(text, CodecModule::opencv, RT_CODEC_JPEG, to);
+        return decodeByModule(text, CodecModule::jpeg, RT_CODEC_JPEG, to);
     case PictureKind::bmp:
         checkSize(bmpSize(bytes), to.maxPixels);
         return decodeByModule(text, CodecModule::opencv, RT_CODEC_BMP, to);

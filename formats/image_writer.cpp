@@ -25,6 +25,8 @@ CodecModule moduleOf(ImageFormat format) {
     switch (format) {
     case ImageFormat::png:
         return CodecModule::png;
+    case ImageFormat::jpeg:
+        return CodecModule::jpeg;
     case ImageFormat::exr:
         return CodecModule::exr;
     default:

@@ -18,7 +18,7 @@ enum class ImageFormat : std::uint8_t { png, jpeg, bmp, exr, pfm };
 /// By the lower-cased suffix of `path`; nothing for any other.
 std::optional<ImageFormat> imageFormatOf(std::string_view path);
 
-/// PFM is written by this program; the others by codec modules (PNG: libpng, EXR: OpenEXR, JPEG and BMP: OpenCV), which
+/// PFM is written by this program; the others by codec modules (PNG: libpng, JPEG: libjpeg, EXR: OpenEXR, BMP: OpenCV), which
 /// this opens on a thread of their own. Call before tracing starts; get() throws std::runtime_error when the module
 /// cannot be opened.
 std::shared_future<void> openCodec(ImageFormat format);

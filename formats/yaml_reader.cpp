@@ -25,7 +25,7 @@ using scene::quoted;
 constexpr Code kSyntax{350}, kDuplicateKey{351}, kUnclosed{352}, kTab{353}, kSecondDocument{354},
     kEncoding{355}, kEmpty{356}, kUnknownAnchor{357}, kCycle{358}, kBadKey{359}, kBadMerge{360},
     kTag{361};
-constexpr Code kTooLarge{701}, kTooDeep{702}, kTooManyNodes{703}, kOutOfMemory{704};
+constexpr Code kTooLarge{710}, kTooDeep{711}, kTooManyNodes{712}, kNoMemory{703};
 
 /// Ends the parse after its error has been reported.
 struct Abandoned {};
@@ -468,7 +468,7 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source,
     } catch (const Abandoned&) {
         return std::nullopt;
     } catch (const std::bad_alloc&) {
-        diagnostics.error(kOutOfMemory, {}, "out of memory while reading " + quoted(source->path));
+        diagnostics.error(kNoMemory, {}, "out of memory while reading " + quoted(source->path));
         return std::nullopt;
     }
 }

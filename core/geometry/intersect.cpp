@@ -165,7 +165,7 @@ bool intersectSphereLine(const RayFrame& ray, const Sphere& sphere, double t[2])
     const double discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
     const double c = ((fx * fx + fy * fy) + fz * fz) - r2;
     const bool inside = c < 0;
-    if (!(inside || discriminant >= 0)) return false;
+    if (!(inside || discriminant > 0)) return false; // a tangent passes by
     const double root = std::sqrt(inside ? b * b - ray.squared * c : ray.squared * discriminant);
     const double q = b < 0 ? b - root : b + root;
     const double t0 = c / q, t1 = q * ray.inverseSquared;

@@ -267,7 +267,7 @@ inline Mask meetSpheres(const SphereBlock& block, const Frame& f, F64& t0, F64& 
     const F64 r = load(block.radius), r2 = r * r;
     const F64 discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
     const F64 c = ((fx * fx + fy * fy) + fz * fz) - r2;
-    const Mask within = c < all(0.0), met = either(within, discriminant >= all(0.0));
+    const Mask within = c < all(0.0), met = either(within, discriminant > all(0.0));
     if (!bits(met)) return met;
     const F64 root =
         squareRoot(select(within, b * b - all(f.squared) * c, all(f.squared) * discriminant));

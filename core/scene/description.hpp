@@ -24,7 +24,10 @@ using numeric::Radians;
 using numeric::Vec3;
 
 enum class Encoding : std::uint8_t { srgb, linear };
-enum class Tone : std::uint8_t { limit, clamp }; // limit: divide by the largest channel when it is over 1
+enum class Tone : std::uint8_t {
+    limit,
+    clamp
+}; // limit: divide by the largest channel when it is over 1
 
 struct Image {
     std::uint32_t width = 640, height = 480;
@@ -47,9 +50,13 @@ struct Camera {
 void resolve(Camera& camera, double aspect);
 
 struct AntialiasNone {};
-struct AntialiasFsaa4 {};                      // 2x2 corner samples, each tone-limited, then averaged
-struct AntialiasGrid { std::uint32_t n = 4; }; // n x n per pixel
-struct AntialiasMaxError { double rmse = 0.01; };
+struct AntialiasFsaa4 {}; // 2x2 corner samples, each tone-limited, then averaged
+struct AntialiasGrid {
+    std::uint32_t n = 4;
+}; // n x n per pixel
+struct AntialiasMaxError {
+    double rmse = 0.01;
+};
 using Antialias = std::variant<AntialiasNone, AntialiasFsaa4, AntialiasGrid, AntialiasMaxError>;
 
 enum class Sampling : std::uint8_t { center, corner };
@@ -68,9 +75,14 @@ struct Render {
 
 /// One value of a plugin's parameter row, in row order. monostate: absent.
 struct Value {
-    struct VectorList { std::vector<Vec3> items; };
-    struct IntegerLists { std::vector<std::vector<std::int64_t>> entries; };
-    std::variant<std::monostate, std::int64_t, double, Vec3, std::string, VectorList, IntegerLists> data;
+    struct VectorList {
+        std::vector<Vec3> items;
+    };
+    struct IntegerLists {
+        std::vector<std::vector<std::int64_t>> entries;
+    };
+    std::variant<std::monostate, std::int64_t, double, Vec3, std::string, VectorList, IntegerLists>
+        data;
     Location location; // of the value, or of the object's key when defaulted
 };
 
@@ -79,7 +91,8 @@ struct Instance {
     std::string type;
     std::vector<Value> values;
     Location location; // of the type's key
-    std::span<const rt_param> rows; // of the values; the type's own, for as long as its catalog lives
+    std::span<const rt_param>
+        rows; // of the values; the type's own, for as long as its catalog lives
 };
 
 struct Texture {
@@ -97,7 +110,10 @@ struct Background {
     double radius = 0; // legacyHemisphere
 
     /// Of a cross-fade: texture * (1 - share) + this one * share. Set by animation, never by a file.
-    struct Fade { std::uint32_t texture; double share; };
+    struct Fade {
+        std::uint32_t texture;
+        double share;
+    };
     std::optional<Fade> fade;
 };
 
@@ -135,7 +151,8 @@ struct Object {
     std::string name; // unique; invented where the file has none
     Instance shape;
     std::optional<Instance> loader; // of the shape's RT_LOADS file
-    std::optional<std::uint32_t> material; // index; none: what the file says, or the default material
+    std::optional<std::uint32_t>
+        material; // index; none: what the file says, or the default material
     Placement placement;
     AffineTransform worldFromObject; // of the placement
     Location location;
@@ -143,18 +160,37 @@ struct Object {
 
 // ---- animation: parsed and validated here, turned into poses by core/animation ----------------------------
 
-struct FrameRange { std::uint32_t first = 0, last = 0; }; // acts in steps first <= q < last
+struct FrameRange {
+    std::uint32_t first = 0, last = 0;
+}; // acts in steps first <= q < last
 
 enum class Easing : std::uint8_t { linear, smooth };
 
-struct Rotate { Vec3 center, axis; Radians angle; };   // total over the range; positive: right-handed about axis
-struct RotateSelf { std::optional<Vec3> axis; Radians angle; }; // none: each primitive about its normal
-struct Move { Vec3 position; };                        // the centre ends here
-struct MoveRadius { Vec3 center; double distance; };   // away from center
-struct MoveDirect { Vec3 direction; double distance; };
+struct Rotate {
+    Vec3 center, axis;
+    Radians angle;
+}; // total over the range; positive: right-handed about axis
+struct RotateSelf {
+    std::optional<Vec3> axis;
+    Radians angle;
+}; // none: each primitive about its normal
+struct Move {
+    Vec3 position;
+}; // the centre ends here
+struct MoveRadius {
+    Vec3 center;
+    double distance;
+}; // away from center
+struct MoveDirect {
+    Vec3 direction;
+    double distance;
+};
 struct Keyframes {
     enum class Interpolation : std::uint8_t { linear, smooth, step };
-    struct Key { std::uint32_t frame; std::vector<double> values; };
+    struct Key {
+        std::uint32_t frame;
+        std::vector<double> values;
+    };
     std::vector<Key> keys; // by rising frame
     Interpolation interpolation = Interpolation::linear;
 };
@@ -162,13 +198,22 @@ using Motion = std::variant<Rotate, RotateSelf, Move, MoveRadius, MoveDirect, Ke
 
 /// A numeric parameter of a description; core/scene/parameter.hpp finds and sets it.
 struct Parameter {
-    enum class Owner : std::uint8_t { camera, background, light, material, texture, shape, loader, placement };
+    enum class Owner : std::uint8_t {
+        camera,
+        background,
+        light,
+        material,
+        texture,
+        shape,
+        loader,
+        placement
+    };
     Owner owner = Owner::camera;
-    std::uint32_t index = 0;           // light, material, texture; object for shape, loader and placement
-    std::uint32_t value = 0;           // texture, shape, loader: index into the instance's rows
+    std::uint32_t index = 0; // light, material, texture; object for shape, loader and placement
+    std::uint32_t value = 0; // texture, shape, loader: index into the instance's rows
     const struct Field* field = nullptr; // otherwise
-    const rt_param* row = nullptr;     // type, unit and limits
-    std::size_t components = 1;        // 1 or 3
+    const rt_param* row = nullptr;       // type, unit and limits
+    std::size_t components = 1;          // 1 or 3
 };
 
 enum class CameraPoint : std::uint8_t { position, front, top };
@@ -179,13 +224,17 @@ struct ObjectTarget {
     std::optional<std::array<std::uint32_t, 2>> faces;
     bool each = false;
 };
-struct CameraTarget { CameraPoint point; };
+struct CameraTarget {
+    CameraPoint point;
+};
 /// Any numeric parameter, for keyframes only: "moon.radius", "lights.key.color", "materials.steel.diffuse", "camera.screen.width".
 struct ParameterTarget {
     std::string path;
     Parameter parameter;
 };
-struct BackgroundFade { std::uint32_t texture; };
+struct BackgroundFade {
+    std::uint32_t texture;
+};
 
 struct Track {
     std::variant<ObjectTarget, CameraTarget, ParameterTarget, BackgroundFade> target;

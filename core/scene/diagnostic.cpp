@@ -17,11 +17,6 @@ constexpr int kExcerptWidth = 80; // terminal columns of the quoted source line
 constexpr int kTabWidth = 4;
 constexpr std::size_t kQuotedLength = 60; // characters of file data in one message
 
-std::string codeName(Code code) {
-    std::string digits = std::to_string(static_cast<unsigned>(code));
-    return "E" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
-}
-
 std::string_view severityName(Severity severity) {
     switch (severity) {
     case Severity::note:
@@ -139,6 +134,11 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 }
 
 } // namespace
+
+std::string codeName(Code code) {
+    std::string digits = std::to_string(static_cast<unsigned>(code));
+    return "E" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
 
 void Diagnostics::error(Code code, Location location, std::string message, std::string suggestion) {
     if (errorCount_++ == 0) exitCode_ = static_cast<int>(code) / 100;

@@ -26,6 +26,9 @@ struct Location {
 /// core/scene/explanations.cpp.
 enum class Code : std::uint16_t {};
 
+/// "E0312".
+std::string codeName(Code code);
+
 enum class Severity : std::uint8_t { note, warning, error };
 
 struct Diagnostic {

@@ -416,7 +416,7 @@ constexpr Section kSections[] = {
     {"textures",
      Section::Kind::namedTypes,
      false,
-     "Textures by name; each is a map of one type. One may name those above it.",
+     "Textures by name; each is a map of one type.",
      {}},
     {"background", Section::Kind::map, false, "What rays see that meet nothing.", kBackground},
     {"lights", Section::Kind::typedList, false, "Lights; each is a map of one type.", kPointLight},

@@ -100,12 +100,6 @@ std::optional<Value> MapReader::read(const Node& node, const rt_param& row) {
                                           : ""});
         return std::nullopt;
     }
-    if (found->second >= textures_.visible) {
-        report(row.name,
-               {codes::kUnknownTexture, node.location,
-                "the texture " + quoted(name) + " does not stand above this one", "move it up"});
-        return std::nullopt;
-    }
     value.data = static_cast<std::int64_t>(found->second);
     return value;
 }

@@ -10,11 +10,10 @@
 
 namespace rt::scene {
 
-/// Textures that may be named where a map stands.
+/// The scene's textures, for keys that name one.
 struct TextureNames {
     std::unordered_map<std::string, std::uint32_t> indices;
     std::vector<std::string> names; // in file order
-    std::uint32_t visible = 0;      // the first so many may be named
 };
 
 class MapReader {

@@ -14,16 +14,17 @@ struct Node {
     struct Member; // key and value
 
     Kind kind = Kind::null;
-    bool quoted = false;      // scalar in quotes: text, never a number
-    bool flow = false;        // writer: on one line
+    bool quoted = false; // scalar in quotes: text, never a number
+    bool flow = false;   // writer: on one line
     Location location;
-    std::string text;         // scalar
-    std::vector<Node> items;  // sequence
+    std::string text;            // scalar
+    std::vector<Node> items;     // sequence
     std::vector<Member> members; // map, in file order, keys unique
 
     std::vector<std::string> commentsBefore; // writer: lines without '#', above the node
     std::string commentAfter;                // writer: on the node's line
-    std::vector<std::string> commentsAtEnd;  // writer: below the last item or member, indented like it
+    std::vector<std::string>
+        commentsAtEnd; // writer: below the last item or member, indented like it
 
     const Node* find(std::string_view key) const; // map member's value, or nullptr
 };

@@ -9,8 +9,7 @@
 namespace rt::scene {
 namespace {
 
-constexpr Code kNoSuchFile{400}, kNotRegular{401}, kNotPermitted{402}, kReadFailed{403},
-    kTooLarge{701};
+constexpr Code kNoSuchFile{401}, kNotReadable{402}, kNotRegular{403}, kTooLarge{710};
 
 struct Descriptor {
     int value;
@@ -39,13 +38,9 @@ std::shared_ptr<const Source> readSource(const std::string& path, std::uint64_t 
         return nullptr;
     };
     const auto refuseErrno = [&](int number) {
-        const Code code = number == ENOENT || number == ENOTDIR ? kNoSuchFile
-                          : number == EACCES || number == EPERM ? kNotPermitted
-                                                                : kReadFailed;
-        return refuse(code, code == kNoSuchFile ? "there is no such file"
-                            : code == kNotPermitted
-                                ? "this file may not be read (permission denied)"
-                                : "cannot be read: " + std::generic_category().message(number));
+        if (number == ENOENT || number == ENOTDIR)
+            return refuse(kNoSuchFile, "there is no such file");
+        return refuse(kNotReadable, "cannot be read: " + std::generic_category().message(number));
     };
 
     if (path.find('\0') != std::string::npos) return refuse(kNoSuchFile, "there is no such file");

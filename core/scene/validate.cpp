@@ -345,8 +345,33 @@ private:
                     reader.finish();
                 }
             }
-            ++textures_.visible;
         }
+        for (std::uint32_t i = 0; i < description_.textures.size(); ++i)
+            if (needsItself(i)) return; // one report of a cycle is enough
+    }
+
+    /// Reports a cycle of textures that leads back to texture `start`.
+    bool needsItself(std::uint32_t start) {
+        std::vector<std::uint32_t> open{start};
+        std::vector<bool> seen(description_.textures.size());
+        while (!open.empty()) {
+            const Instance& instance = description_.textures[open.back()].instance;
+            open.pop_back();
+            for (std::size_t i = 0; i < instance.values.size(); ++i) {
+                const auto* index = std::get_if<std::int64_t>(&instance.values[i].data);
+                if (instance.rows[i].type != RT_TEXTURE || !index) continue;
+                const auto needed = static_cast<std::uint32_t>(*index);
+                if (needed == start) {
+                    diagnostics_.error(codes::kTextureCycle, instance.values[i].location,
+                                       "texture " +
+                                           scene::quoted(description_.textures[start].name) +
+                                           " needs itself");
+                    return true;
+                }
+                if (!seen[needed]) seen[needed] = true, open.push_back(needed);
+            }
+        }
+        return false;
     }
 
     void readLights(const Node* list) {

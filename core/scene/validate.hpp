@@ -16,8 +16,8 @@ struct Limits {
 
 /// The description, or nothing when `diagnostics` has gained an error. Paths in the scene are relative to the folder
 /// of the file that names them.
-std::optional<Description> validate(const Node& root, TypeCatalog& catalog, Diagnostics& diagnostics,
-                                    const Limits& limits = {});
+std::optional<Description> validate(const Node& root, TypeCatalog& catalog,
+                                    Diagnostics& diagnostics, const Limits& limits = {});
 
 /// What a row's fallback stands for, without a location: the value, or a clause that says why it is none ("needs a
 /// value", "must be > 0 (got -1)"). core/plugin_host refuses modules with a fallback that is neither required nor valid.

@@ -1,4 +1,4 @@
-// JPEG, BMP and Radiance HDR by OpenCV.
+// BMP and Radiance HDR by OpenCV.
 #include <formats/codec/codec.h>
 
 #include <opencv2/core/utils/logger.hpp>
@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
+#include <iostream>
 #include <stdexcept>
 #include <vector>
 
@@ -22,24 +22,32 @@ template <class Sample> void toRgb(const cv::Mat& from, Sample* to) {
     }
 }
 
-void encodeOrThrow(std::uint32_t format, const rt_samples& samples,
-                   const rt_encode_settings& settings, const rt_codec_host& host) {
+void encodeOrThrow(const rt_samples& samples, const rt_codec_host& host) {
     cv::Mat bgr(static_cast<int>(samples.height), static_cast<int>(samples.width), CV_8UC3);
     const auto* from = static_cast<const std::uint8_t*>(samples.data);
     for (int y = 0; y < bgr.rows; ++y)
         for (std::uint8_t *to = bgr.ptr(y), *end = to + 3 * bgr.cols; to != end; to += 3, from += 3)
             to[0] = from[2], to[1] = from[1], to[2] = from[0];
     std::vector<std::uint8_t> bytes;
-    std::vector<int> parameters;
-    if (format == RT_CODEC_JPEG)
-        parameters = {cv::IMWRITE_JPEG_QUALITY, static_cast<int>(settings.quality)};
-    if (!cv::imencode(format == RT_CODEC_JPEG ? ".jpg" : ".bmp", bgr, bytes, parameters))
-        throw std::runtime_error("OpenCV could not encode it");
+    if (!cv::imencode(".bmp", bgr, bytes)) throw std::runtime_error("OpenCV could not encode it");
     if (!host.append(host.context, bytes.data(), bytes.size())) throw std::bad_alloc();
 }
 
+/// OpenCV prints the exceptions that it catches to std::cerr. Nobody else does while a picture is decoded.
+class SilentCerr {
+public:
+    SilentCerr() : before_(std::cerr.rdbuf(nullptr)) {}
+    ~SilentCerr() { std::cerr.rdbuf(before_); } // also clears the state
+    SilentCerr(const SilentCerr&) = delete;
+    SilentCerr& operator=(const SilentCerr&) = delete;
+
+private:
+    std::streambuf* before_;
+};
+
 void decodeOrThrow(const void* bytes, std::size_t count, const rt_codec_host& host) {
     const cv::Mat raw(1, static_cast<int>(count), CV_8U, const_cast<void*>(bytes));
+    const SilentCerr silent;
     const cv::Mat image =
         cv::imdecode(raw, cv::IMREAD_UNCHANGED); // COLOR would turn, narrow and clamp
     if (image.empty()) throw std::runtime_error("it is truncated or damaged");
@@ -69,9 +77,9 @@ template <class Work> int guarded(const rt_codec_host* host, Work work) {
     return 0;
 }
 
-int encode(std::uint32_t format, const rt_samples* samples, const rt_encode_settings* settings,
+int encode(std::uint32_t, const rt_samples* samples, const rt_encode_settings*,
            const rt_codec_host* host) {
-    return guarded(host, [&] { encodeOrThrow(format, *samples, *settings, *host); });
+    return guarded(host, [&] { encodeOrThrow(*samples, *host); });
 }
 
 int decode(std::uint32_t, const void* bytes, std::size_t count, const rt_codec_host* host) {

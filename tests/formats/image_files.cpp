@@ -189,6 +189,34 @@ TEST(ImageReader, GreyAndAlphaAndOtherNetpbm) {
     EXPECT_EQ(bigEndian.frame.at(0, 0), numeric::LinearRgb::grey(1));
 }
 
+std::string hdrOf(const std::string& resolution, const std::string& rgbe) {
+    return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + resolution + "\n" + rgbe;
+}
+
+TEST(ImageReader, RadianceHdr) {
+    using namespace std::string_literals;
+    const std::string hdr = hdrOf("-Y 1 +X 2", "\x80\x40\x20\x81\x00\x00\x80\x8a"s);
+    const Picture picture = decoded(hdr);
+    EXPECT_EQ(picture.kind, PictureKind::hdr);
+    EXPECT_EQ(picture.encoding, scene::Encoding::linear);
+    EXPECT_EQ(picture.frame.at(0, 0), (numeric::LinearRgb{1, 0.5, 0.25}));
+    EXPECT_EQ(picture.frame.at(1, 0), (numeric::LinearRgb{0, 0, 512}));
+    for (std::size_t n = 0; n < hdr.size(); ++n) EXPECT_NE(refusal(hdr.substr(0, n)), "") << n;
+}
+
+TEST(ImageReader, DamagedJpegIsRefusedAndQuiet) {
+    const std::string whole = textOf(encodeImage(randomFrame(64, 64), ImageFormat::jpeg, {}));
+    std::string damaged = whole;
+    damaged.replace(whole.size() / 2, 2, "\xff\xd9"); // the end, too early
+    testing::internal::CaptureStderr();
+    const std::string why = refusal(damaged);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(why,
+              "E0451 the picture cannot be read: Corrupt JPEG data: premature end of data segment");
+    EXPECT_EQ(refusal(whole.substr(0, whole.size() - 1)),
+              "E0451 the picture cannot be read: Premature end of JPEG file");
+}
+
 /// Every prefix of a file of each kind is refused, never filled up with grey. (A trailing byte or two may be padding.)
 TEST(ImageReader, TruncatedFilesAreRefused) {
     const Framebuffer frame = randomFrame(20, 10);
@@ -284,6 +312,7 @@ TEST(ImageReader, DamagedFiles) {
                               ImageFormat::exr, ImageFormat::pfm}) {
         const std::string whole = textOf(encodeImage(frame, format, {}));
         int refused = 0;
+        testing::internal::CaptureStderr();
         for (int i = 0; i < 200; ++i) {
             std::string bytes = whole;
             for (int k = 0; k < 3; ++k)
@@ -293,6 +322,7 @@ TEST(ImageReader, DamagedFiles) {
             refused += refusal(bytes, small) != "";
         }
         EXPECT_GT(refused, 0);
+        EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     }
 }
 

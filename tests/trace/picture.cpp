@@ -202,6 +202,15 @@ TEST(Picture, nearPlaneHidesWhatIsBeforeTheScreen) {
     EXPECT_EQ(scene.along({0, 0, 0}, {0, 1, 0}), (LinearRgb{0, 0, 1}));
 }
 
+// The middle pixel of legacy/cases/s5_defaults: the original sees the background there.
+TEST(Picture, aTangentRayPassesTheBall) {
+    SceneMaker scene;
+    scene.description.background.color = {0, 0, 1};
+    scene.sphere({42, 50, 50}, 8, scene.add(flatColored({1, 0, 0})));
+    scene.light({50, 0.5, 99});
+    EXPECT_EQ(scene.along({50, 10, 50}, {0, 1, 0}), (LinearRgb{0, 0, 1}));
+}
+
 // ---- bounds ----------------------------------------------------------------------------------
 
 struct Bounds : testing::Test {
