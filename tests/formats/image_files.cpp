@@ -175,6 +175,35 @@ TEST(ImageWriter, CodecOpens) {
         EXPECT_NO_THROW(formats::openCodec(format).get());
 }
 
+/// This program at another place, where the modules are missing or others: what it prints when it encodes a PNG.
+std::string outputWithModules(const TemporaryFolder& folder, const std::string& pngModule) {
+    namespace fs = std::filesystem;
+    fs::create_directories(folder / "bin");
+    fs::create_directories(folder / "lib/rt");
+    fs::copy_file("/proc/self/exe", folder / "bin/program");
+    if (!pngModule.empty()) fs::copy_file(pngModule, folder / "lib/rt/rt_codec_png.so");
+    FILE* pipe =
+        popen((folder / "bin/program --gtest_filter=ImageWriter.CodecOpens 2>&1").c_str(), "r");
+    std::string text;
+    for (char buffer[512]; pipe && std::fgets(buffer, sizeof buffer, pipe);) text += buffer;
+    if (pipe) pclose(pipe);
+    return text;
+}
+
+TEST(ImageWriter, MissingOrForeignCodecIsNamed) {
+    const TemporaryFolder missing, foreign;
+    const auto path = [](const TemporaryFolder& folder) {
+        return folder / "lib/rt/rt_codec_png.so";
+    };
+    EXPECT_NE(outputWithModules(missing, "")
+                  .find("the image codec cannot be opened: " + path(missing) +
+                        ": cannot open shared object file"),
+              std::string::npos);
+    EXPECT_NE(outputWithModules(foreign, RT_FOREIGN_MODULE)
+                  .find("the image codec " + path(foreign) + " belongs to another build of rt"),
+              std::string::npos);
+}
+
 TEST(ImageReader, GreyAndAlphaAndOtherNetpbm) {
     const Picture grey = decoded("P5 # a comment\n2 1\n255\n\x80\xff");
     EXPECT_EQ(grey.kind, PictureKind::pnm);
@@ -270,7 +299,7 @@ TEST(ImageReader, SizesAreCheckedBeforeDecoding) {
     for (const std::uint32_t side : {20000u, 65536u, 0x7fffffffu}) {
         const std::string n = std::to_string(side);
         const std::string expected =
-            "E0702 the picture has " + n + " x " + n + " pixels, more than the limit of 67108864";
+            "E0713 the picture has " + n + " x " + n + " pixels, more than the limit of 67108864";
         EXPECT_EQ(refusal(pngOfSize(side, side)), expected);
         EXPECT_EQ(refusal("PF\n" + n + " " + n + "\n-1.0\n"), expected);
         EXPECT_EQ(refusal("P6\n" + n + " " + n + "\n255\n"), expected);
@@ -287,9 +316,9 @@ TEST(ImageReader, SizesAreCheckedBeforeDecoding) {
     four.maxPixels = 4;
     EXPECT_EQ(refusal(textOf(encodeImage(randomFrame(2, 2), ImageFormat::exr, {})), four), "");
     EXPECT_EQ(refusal(textOf(encodeImage(randomFrame(5, 1), ImageFormat::exr, {})), four),
-              "E0702 the picture has 5 x 1 pixels, more than the limit of 4");
+              "E0713 the picture has 5 x 1 pixels, more than the limit of 4");
     EXPECT_EQ(refusal(textOf(encodeImage(randomFrame(5, 1), ImageFormat::jpeg, {})), four),
-              "E0702 the picture has 5 x 1 pixels, more than the limit of 4");
+              "E0713 the picture has 5 x 1 pixels, more than the limit of 4");
 }
 
 TEST(ImageReader, NonFiniteTexels) {
