@@ -1,0 +1,41 @@
+# Installs rt, then builds the plugins of plugins/README.md against it as a third party would: outside the tree, from the
+# guide's own text. cmake -DBUILD=… -DSOURCE=… -DWORK=… -P consumer.cmake
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    string(REPLACE ";" " " command "${ARGN}")
+    message(FATAL_ERROR "${command}\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK}/source)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+
+# The guide's blocks that begin with "// NAME.cpp", and its only CMake block.
+file(READ ${SOURCE}/plugins/README.md guide)
+string(REPLACE ";" "<semicolon>" guide "${guide}")
+string(REPLACE "[" "<bracket>" guide "${guide}")
+string(REPLACE "]" "<tekcarb>" guide "${guide}")
+string(REGEX MATCHALL "```(cpp|cmake)\n[^`]*```" blocks "${guide}")
+list(LENGTH blocks count)
+if(NOT count EQUAL 4)
+  message(FATAL_ERROR "plugins/README.md has ${count} blocks of code, not 4")
+endif()
+foreach(block ${blocks})
+  if(block MATCHES "^```cpp\n// ([a-z]+\\.cpp)\n")
+    set(file ${CMAKE_MATCH_1})
+  else()
+    set(file CMakeLists.txt)
+  endif()
+  string(REGEX REPLACE "^```[a-z]*\n|```$" "" block "${block}")
+  string(REPLACE "<semicolon>" ";" block "${block}")
+  string(REPLACE "<bracket>" "[" block "${block}")
+  string(REPLACE "<tekcarb>" "]" block "${block}")
+  file(WRITE ${WORK}/source/${file} "${block}")
+endforeach()
+
+run(${CMAKE_COMMAND} -S ${WORK}/source -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
+    -DCMAKE_CXX_FLAGS=-Wall\ -Wextra\ -Wshadow\ -Wpedantic\ -Werror)
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+run(${CHECKER} ${WORK}/build spot rings points)
