@@ -1,1 +1,79 @@
-int main() { return 0; }
+// rt: reads the command line, runs the subcommand, and turns whatever escapes it into a message and an exit code.
+#include <core/cli/commands.hpp>
+#include <core/cli/exit_codes.hpp>
+#include <core/cli/interrupt.hpp>
+
+#include <csignal>
+#include <new>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace rt::cli {
+
+namespace {
+
+struct Run {
+    Console& console;
+
+    int operator()(const HelpText& help) const { return console.result(help.text), int(kExitOk); }
+    int operator()(const RenderOptions& o) const { return render(o, console); }
+    int operator()(const CheckOptions& o) const { return check(o, console); }
+    int operator()(const InfoOptions& o) const { return info(o, console); }
+    int operator()(const SchemaOptions& o) const { return schema(o, console); }
+    int operator()(const ConvertOptions& o) const { return convert(o, console); }
+    int operator()(const CompareOptions& o) const { return compare(o, console); }
+    int operator()(const PluginsOptions& o) const { return plugins(o, console); }
+    int operator()(const ExplainOptions& o) const { return explain(o, console); }
+    int operator()(const CompletionOptions& o) const { return completion(o, console); }
+    int operator()(const VersionOptions& o) const { return version(o, console); }
+};
+
+/// A file opened later must not become stdout or stderr because the caller closed them. Opened the wrong way round, so
+/// that using them fails instead of losing what is written.
+void holdStandardDescriptors() {
+    for (int descriptor = 0; descriptor <= 2; ++descriptor)
+        if (::fcntl(descriptor, F_GETFD) < 0)
+            ::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);
+}
+
+int run(int argc, const char* const* argv) {
+    CommandLine line;
+    for (int i = 1; i < argc;
+         ++i) // an error of the command line itself has to be said as asked, too
+        if (std::string_view(argv[i]) == "--json-errors") line.common.jsonErrors = true;
+    try {
+        parseCommandLine(argc, argv, line);
+        Console console(line.common);
+        return std::visit(Run{console}, line.options);
+    } catch (const UsageError& error) {
+        const std::string help =
+            line.command.empty() ? "rt --help" : "rt " + line.command + " --help";
+        Console(line.common)
+            .fail(line.command, kExitUsage, error.what(),
+                  error.hint.empty() ? "see " + help : error.hint);
+        return kExitUsage;
+    } catch (const StdoutError& error) {
+        Console(line.common).fail(line.command, kExitOutput, error.what(), "");
+        return kExitOutput;
+    } catch (const std::bad_alloc&) {
+        Console(line.common).fail(line.command, kExitLimit, "out of memory", "");
+        return kExitLimit;
+    } catch (const std::exception& error) {
+        Console(line.common)
+            .fail(line.command, kExitInternal, std::string("internal error: ") + error.what(),
+                  "please report it");
+        return kExitInternal;
+    }
+}
+
+} // namespace
+
+} // namespace rt::cli
+
+int main(int argc, char** argv) {
+    rt::cli::holdStandardDescriptors();
+    std::signal(SIGXFSZ, SIG_IGN); // a full quota is an error of write(), with a message
+    rt::cli::handleInterrupts();
+    return rt::cli::run(argc, argv);
+}

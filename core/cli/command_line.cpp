@@ -1,0 +1,635 @@
+// The only file that includes CLI11 (5 s of compiling). CLI11 recognises words; what they mean is read afterwards, so that
+// an unknown option is reported before the value of a known one.
+#include <core/cli/command_line.hpp>
+
+#include <core/cli/exit_codes.hpp>
+#include <core/scene/diagnostic.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+namespace rt::cli {
+
+namespace {
+
+using Take = std::function<void(const std::string& word)>;
+
+constexpr std::size_t kHelpWidth = 80;
+constexpr std::size_t kHelpColumn = 26; // where the text beside an option begins
+
+const std::vector<std::string> kImageSuffixes{"png", "jpg", "jpeg", "bmp", "exr", "pfm"};
+const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"};
+const std::vector<std::string> kProgressStyles{"auto", "bar", "plain", "none"};
+const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
+const std::vector<std::string> kEncodings{"srgb", "linear"};
+const std::vector<std::string> kShells{"bash", "zsh", "fish"};
+
+std::string choiceName(const std::vector<std::string>& choices) {
+    std::string name;
+    for (const std::string& choice : choices) name += (name.empty() ? "" : "|") + choice;
+    return name;
+}
+
+/// One subcommand: its CLI11 half recognises, its takers fill the options once every word is known.
+class Command {
+public:
+    Command(CLI::App& app_, std::string examples_) : app(app_), examples(std::move(examples_)) {
+        app.set_help_flag();
+        flag("-h,--help", "Show this help.", help);
+    }
+
+    void flag(const char* names, const char* text, bool& value) {
+        flag(names, text, [&value](const std::string&) { value = true; });
+    }
+    /// Called once for each time the flag is given.
+    void flag(const char* names, const char* text, Take take) {
+        CLI::Option* const option = app.add_flag(names)->description(text);
+        option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        takers_.push_back({option, [name = longName(option), take](const std::string& word) {
+                               if (word != "true") throw UsageError(name + " takes no value");
+                               take(word);
+                           }});
+    }
+    /// `--name` alone gives "", `--name=word` the word.
+    void flagWithWord(const char* names, const char* value, const char* text, Take take) {
+        CLI::Option* const option = app.add_flag(names)->description(text)->option_text(value);
+        option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        takers_.push_back(
+            {option, [take](const std::string& word) { take(word == "true" ? "" : word); }});
+    }
+    /// Given several times, `take` is called for each word in order.
+    void option(const char* names, const std::string& value, const char* text, Take take) {
+        CLI::Option* const option = app.add_option(names)->description(text)->type_name(value);
+        option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
+        takers_.push_back({option, [name = longName(option), take](const std::string& word) {
+                               try {
+                                   take(word);
+                               } catch (const UsageError& error) {
+                                   throw UsageError(name + ": " + error.what(), error.hint);
+                               }
+                           }});
+    }
+    void argument(const char* name, const char* value, const char* text, std::string& word,
+                  bool required = true) {
+        CLI::Option* const option =
+            app.add_option(name)->description(text)->type_name(value)->expected(1);
+        takers_.push_back({option, [&word](const std::string& given) { word = given; }});
+        option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        if (required) required_.push_back({option, value});
+    }
+    void arguments(const char* name, const char* value, const char* text,
+                   std::vector<std::string>& words) {
+        CLI::Option* const option = app.add_option(name)
+                                        ->description(text)
+                                        ->type_name(value)
+                                        ->expected(1, CLI::detail::expected_max_vector_size)
+                                        ->allow_extra_args();
+        takers_.push_back({option, [&words](const std::string& given) { words.push_back(given); }});
+        option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        required_.push_back({option, value});
+    }
+
+    void take() const {
+        for (const Taker& taker : takers_)
+            for (const std::string& word : taker.option->results()) taker.take(word);
+    }
+    /// Throws when an argument is missing.
+    void complete() const {
+        for (const auto& [option, value] : required_)
+            if (option->count() == 0)
+                throw UsageError(value + " is missing", "try: " + firstExample());
+    }
+    std::string firstExample() const {
+        const std::string line = examples.substr(0, examples.find('\n'));
+        return line.substr(0, line.find("  "));
+    }
+
+    CLI::App& app;
+    std::string examples; // one `command  # what it does` per line
+    bool help = false;
+
+private:
+    struct Taker {
+        CLI::Option* option;
+        Take take;
+    };
+    static std::string longName(const CLI::Option* option) {
+        return option->get_lnames().empty() ? "-" + option->get_snames()[0]
+                                            : "--" + option->get_lnames()[0];
+    }
+
+    std::vector<Taker> takers_;
+    std::vector<std::pair<CLI::Option*, std::string>> required_;
+};
+
+// ---- help text ----------------------------------------------------------------------------------------------
+
+/// `text` wrapped at kHelpWidth, every line but the first indented by `indent`.
+std::string wrapped(const std::string& text, std::size_t column, std::size_t indent) {
+    std::string out;
+    for (std::size_t from = 0; from < text.size();) {
+        const std::size_t to = std::min(text.find(' ', from), text.size());
+        if (column + (to - from) > kHelpWidth && column > indent) {
+            out += "\n" + std::string(indent, ' ');
+            column = indent;
+        }
+        out += text.substr(from, to - from);
+        column += to - from;
+        if (to < text.size()) out += ' ', ++column;
+        from = to + 1;
+    }
+    std::string clean; // without blanks before line ends
+    for (const char c : out) {
+        if (c == '\n')
+            while (!clean.empty() && clean.back() == ' ') clean.pop_back();
+        clean += c;
+    }
+    return clean;
+}
+
+std::string row(const std::string& left, const std::string& text) {
+    std::string line = "  " + left;
+    if (line.size() + 2 > kHelpColumn)
+        line += "\n" + std::string(kHelpColumn, ' ');
+    else
+        line.resize(kHelpColumn, ' ');
+    return line + wrapped(text, kHelpColumn, kHelpColumn) + "\n";
+}
+
+OptionDescription describe(const CLI::Option& option) {
+    OptionDescription description{{}, {}, option.get_description()};
+    for (const std::string& name : option.get_snames()) description.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) description.names.push_back("--" + name);
+    if (option.get_expected_min() > 0 || description.names.empty())
+        description.value = option.get_type_name();
+    return description;
+}
+
+std::string optionRow(const CLI::Option& option) {
+    const OptionDescription description = describe(option);
+    std::string left = description.names[0].size() > 2 ? "    " : "";
+    for (std::size_t i = 0; i < description.names.size(); ++i)
+        left += (i ? ", " : "") + description.names[i];
+    if (!description.value.empty()) left += " " + description.value;
+    if (!option.get_option_text().empty()) left += option.get_option_text();
+    return row(left, description.text);
+}
+
+std::string helpText(const CLI::App& app, const std::string& examples) {
+    const bool root = app.get_parent() == nullptr;
+    std::string text = wrapped(app.get_description(), 0, 0) +
+                       "\n\nUsage: " + (root ? "rt COMMAND" : "rt " + app.get_name());
+    const auto options = app.get_options();
+    for (const CLI::Option* option : options)
+        if (option->get_positional())
+            text += " " + option->get_type_name() + (option->get_expected_max() > 1 ? "..." : "");
+    text += " [OPTION...]\n";
+
+    if (root) {
+        text += "\nCommands:\n";
+        for (const CLI::App* sub : app.get_subcommands(nullptr))
+            text += row(sub->get_name(), sub->get_description());
+    }
+    std::string arguments;
+    for (const CLI::Option* option : options)
+        if (option->get_positional())
+            arguments += row(option->get_type_name(), option->get_description());
+    if (!arguments.empty()) text += "\nArguments:\n" + arguments;
+
+    text += root ? "\nOptions of every command:\n" : "\nOptions:\n";
+    for (const CLI::Option* option : options)
+        if (!option->get_positional()) text += optionRow(*option);
+    if (!root) text += "  -q, -v, --json-errors   As for every command: see rt --help.\n";
+    if (root) text += "\nExit codes:\n" + std::string(kExitCodeTable);
+    text += "\nExamples:\n";
+    for (std::size_t from = 0; from < examples.size();) {
+        const std::size_t to = examples.find('\n', from);
+        text += "  " + examples.substr(from, to - from) + "\n";
+        from = to + 1;
+    }
+    return text;
+}
+
+// ---- the subcommands ----------------------------------------------------------------------------------------
+
+class Program {
+public:
+    Program() {
+        app_.fallthrough();
+        app_.allow_extras();
+        app_.require_subcommand(0, 1);
+        root_ = std::make_unique<Command>(
+            app_, "rt render scene.yaml     # draws ./scene.png\n"
+                  "rt check scene.yaml      # finds what is wrong with it\n"
+                  "rt convert Scene.inf     # makes Scene.yaml of an old scene\n");
+        root_->flag("-q,--quiet", "Print errors only.",
+                    [this](const std::string&) { common.verbosity = -1; });
+        root_->flag("-v,--verbose", "Say what is done.",
+                    [this](const std::string&) { common.verbosity = 1; });
+        root_->flag("--json-errors", "Print errors, warnings and notes as JSON, one per line.",
+                    common.jsonErrors);
+        root_->flag("--version", "Show the version and how it was built.", versionFlag_);
+
+        addRender();
+        addCheck();
+        addInfo();
+        addSchema();
+        addConvert();
+        addCompare();
+        addPlugins();
+        addExplain();
+        addCompletion();
+        add("version", "Show the version, how it was built and what this machine runs.",
+            "rt version             # everything\n"
+            "rt --version           # the same\n"
+            "rt version | head -1   # the version alone\n");
+        Command& helpCommand = add("help", "Show the help of rt or of one command.",
+                                   "rt help           # the commands\n"
+                                   "rt help render    # the options of one\n"
+                                   "rt render --help  # the same\n");
+        helpCommand.argument("command", "COMMAND", "The command to explain.", helpTopic_, false);
+    }
+
+    void parse(int argc, const char* const* argv, CommandLine& line);
+    std::vector<CommandDescription> describeAll() const;
+
+private:
+    Command& add(const char* name, const char* text, const char* examples) {
+        commands_.push_back(std::make_unique<Command>(*app_.add_subcommand(name, text), examples));
+        return *commands_.back();
+    }
+    static void addPluginDirs(Command& command, std::vector<std::filesystem::path>& folders) {
+        command.option("--plugin-dir", "DIR",
+                       "Look for plugins here first; may be given more than once.",
+                       [&folders](const std::string& word) { folders.push_back(word); });
+    }
+    static void addSceneOptions(Command& command, SceneOptions& options) {
+        command.option("--set", "PATH=VALUE",
+                       "Change any key of the scene, such as camera.screen.distance=2 or "
+                       "objects.moon.radius=4; may be given more than once.",
+                       [&options](const std::string& word) {
+                           options.overrides.push_back(checkedOverride(word));
+                       });
+        command.flag("--allow-missing", "Leave out objects whose file is missing.",
+                     options.allowMissing);
+        addPluginDirs(command, options.pluginDirs);
+    }
+    static std::string checkedOverride(const std::string& word) {
+        const std::size_t equals = word.find('=');
+        if (equals == 0 || equals == std::string::npos)
+            throw UsageError("must be PATH=VALUE, such as render.depth=3 (got " +
+                             scene::quoted(word) + ")");
+        return word;
+    }
+
+    void addRender();
+    void addCheck();
+    void addInfo();
+    void addSchema();
+    void addConvert();
+    void addCompare();
+    void addPlugins();
+    void addExplain();
+    void addCompletion();
+
+    const Command* chosen() const {
+        for (const auto& command : commands_)
+            if (command->app.parsed()) return command.get();
+        return nullptr;
+    }
+    void refuseExtras(const Command* command) const;
+
+    CLI::App app_{"rt draws scenes by Whitted ray tracing: fast, exact, and it tells what it did."};
+    std::unique_ptr<Command> root_;
+    std::vector<std::unique_ptr<Command>> commands_;
+    CommonOptions common;
+    bool versionFlag_ = false;
+    std::string helpTopic_;
+    RenderOptions render_;
+    CheckOptions check_;
+    InfoOptions info_;
+    SchemaOptions schema_;
+    ConvertOptions convert_;
+    CompareOptions compare_;
+    PluginsOptions plugins_;
+    ExplainOptions explain_;
+    CompletionOptions completion_;
+};
+
+formats::ImageFormat imageFormatNamed(const std::string& word) {
+    parseChoice(word, kImageSuffixes);
+    return *formats::imageFormatOf("." + word);
+}
+
+std::string checkedOutput(const std::string& word) {
+    if (word.empty()) throw UsageError("must not be empty");
+    return word;
+}
+
+void Program::addRender() {
+    Command& c = add("render", "Draw a scene and write the picture; prints its path.",
+                     "rt render scene.yaml                           # draws ./scene.png\n"
+                     "rt render scene.yaml --size 320x240 -o a.jpg   # another size and format\n"
+                     "rt render scene.yaml --set render.depth=1      # any key of the scene\n");
+    RenderOptions& o = render_;
+    c.argument("scene", "SCENE", "The scene, a YAML file.", o.scene);
+    c.option("-o,--output", "FILE",
+             "Write here; the suffix chooses png, jpg, bmp, exr or pfm, and - is stdout. May be "
+             "given more than once. Default: ./SCENE.png.",
+             [&o](const std::string& word) { o.outputs.push_back(checkedOutput(word)); });
+    c.option("--format", choiceName(kImageSuffixes),
+             "Format of the output whatever its suffix; png for stdout.",
+             [&o](const std::string& word) { o.format = imageFormatNamed(word); });
+    c.option(
+        "--quality", "N", "Of a JPEG, 1 to 100; 95 by default.",
+        [&o](const std::string& word) { o.quality = static_cast<int>(parseWhole(word, 1, 100)); });
+    c.option("-s,--size", "WxH", "Size of the picture in pixels.", [&o](const std::string& word) {
+        const Size size = parseSize(word);
+        o.resized = true;
+        o.overrides.push_back("image.width=" + std::to_string(size.width));
+        o.overrides.push_back("image.height=" + std::to_string(size.height));
+    });
+    c.option(
+        "-t,--threads", "N", "Threads to use; 0, the default, is all that the process may use.",
+        [&o](const std::string& word) { o.threads = static_cast<int>(parseWhole(word, 0, 1024)); });
+    addSceneOptions(c, o);
+    c.option("--crop", "X0,Y0,X1,Y1", "Draw only these pixels; the picture has their size.",
+             [&o](const std::string& word) { o.crop = parseRectangle(word); });
+    c.option("--antialias", "none|fsaa4|grid=N|max_error=E",
+             "Samples per pixel: one, 2x2 corners, NxN, or as many as the error asks for.",
+             [&o](const std::string& word) {
+                 if (word == "none" || word == "fsaa4") {
+                     o.overrides.push_back("render.antialias=" + word);
+                 } else if (word.starts_with("grid=")) {
+                     o.overrides.push_back("render.antialias={grid: " +
+                                           std::to_string(parseWhole(word.substr(5), 1, 64)) + "}");
+                 } else if (word.starts_with("max_error=")) {
+                     parseReal(word.substr(10), 0, 1);
+                     o.overrides.push_back("render.antialias={max_error: " + word.substr(10) + "}");
+                 } else {
+                     parseChoice(word, {"none", "fsaa4", "grid=N", "max_error=E"});
+                     throw UsageError("must be none, fsaa4, grid=4 or max_error=0.01 (got " +
+                                      scene::quoted(word) + ")");
+                 }
+             });
+    c.option("--depth", "N", "Reflections and refractions after the first hit.",
+             [&o](const std::string& word) {
+                 o.overrides.push_back("render.depth=" + std::to_string(parseWhole(word, 0, 1000)));
+             });
+    c.flag("--preview", "A quarter of the size, one sample per pixel, one reflection.", o.preview);
+    c.option("--shade", choiceName(kShades),
+             "Draw what the rays meet instead of light: normals, depth, object or cost.",
+             [&o](const std::string& word) {
+                 o.shade = static_cast<trace::Shade>(parseChoice(word, kShades));
+             });
+    c.option("--pixel", "X,Y", "With --trace: the pixel to explain.",
+             [&o](const std::string& word) { o.pixel = parsePixel(word); });
+    c.flag("--trace", "Print the ray tree of --pixel on stdout; writes no picture.", o.trace);
+    c.option("--progress", choiceName(kProgressStyles),
+             "How progress is shown on stderr; auto is a bar on a terminal and nothing elsewhere.",
+             [&o](const std::string& word) {
+                 o.progress = static_cast<ProgressStyle>(parseChoice(word, kProgressStyles));
+             });
+    c.flagWithWord("--stats", "[=FILE.json]",
+                   "Report times, rays, tests and the octree on stderr, or as JSON in a file.",
+                   [&o](const std::string& word) { o.statistics = true, o.statisticsFile = word; });
+}
+
+void Program::addCheck() {
+    Command& c = add("check", "Find what is wrong with scenes, without drawing them.",
+                     "rt check scene.yaml                # every error with its place\n"
+                     "rt check a.yaml b.yaml             # several at once\n"
+                     "rt check scene.yaml --json-errors  # for editors and scripts\n");
+    c.arguments("scenes", "SCENE", "Scenes, YAML files.", check_.scenes);
+    addSceneOptions(c, check_);
+}
+
+void Program::addInfo() {
+    Command& c = add("info", "Tell what a scene holds, what it loads and why, and what it costs.",
+                     "rt info scene.yaml         # counts, bounds, plugins, memory\n"
+                     "rt info scene.yaml --json  # for scripts\n"
+                     "rt info scene.yaml --set image.width=4000  # with another size\n");
+    c.argument("scene", "SCENE", "The scene, a YAML file.", info_.scene);
+    c.flag("--json", "Print JSON.", info_.json);
+    addSceneOptions(c, info_);
+}
+
+void Program::addSchema() {
+    Command& c =
+        add("schema", "Print the JSON Schema of scenes, with every plugin that is installed.",
+            "rt schema > rt.schema.json       # for editors\n"
+            "rt schema --plugin-dir plugins   # with your own plugins\n"
+            "rt schema | grep radius          # is there such a key?\n");
+    addPluginDirs(c, schema_.pluginDirs);
+}
+
+void Program::addConvert() {
+    Command& c = add("convert", "Turn .inf scenes and their movie files into YAML, losing nothing.",
+                     "rt convert Scene.inf                      # writes Scene.yaml beside it\n"
+                     "rt convert Scene.inf -o new/scene.yaml    # elsewhere; paths are adapted\n"
+                     "rt convert --check Scene.inf Other.inf    # only tells what would happen\n");
+    ConvertOptions& o = convert_;
+    c.arguments("files", "FILE", "Scene files (.inf).", o.files);
+    c.option("-o,--output", "FILE",
+             "Write here instead of beside the input; - is stdout. For one FILE only.",
+             [&o](const std::string& word) { o.output = checkedOutput(word); });
+    c.flag("--check", "Convert and validate, and write nothing.", o.check);
+    c.option("--movie", "FILE", "The movie file, whatever the scene says. For one FILE only.",
+             [&o](const std::string& word) { o.movie = checkedOutput(word); });
+    c.flag("--lenient", "Read as forgivingly as the original program; each case is noted.",
+           o.lenient);
+    c.option("--window-order", choiceName(kWindowOrders), "Which number of `window` comes first.",
+             [&o](const std::string& word) {
+                 o.windowOrder =
+                     static_cast<converters::WindowOrder>(parseChoice(word, kWindowOrders));
+             });
+    c.flag("--json-notes", "Print the notes as JSON on stdout, one per line.", o.jsonNotes);
+    addPluginDirs(c, o.pluginDirs);
+}
+
+void Program::addCompare() {
+    Command& c = add("compare", "Measure how far two pictures differ, in linear light.",
+                     "rt compare a.png b.png                     # exit 0 if equal, 1 if not\n"
+                     "rt compare a.png b.png --tolerance 0.01    # pixels that differ by more\n"
+                     "rt compare a.png b.png --diff diff.png     # where they differ\n");
+    CompareOptions& o = compare_;
+    c.argument("a", "A", "A picture.", o.a);
+    c.argument("b", "B", "The other picture, of the same size.", o.b);
+    c.option("--crop", "X0,Y0,X1,Y1", "Compare only these pixels.",
+             [&o](const std::string& word) { o.crop = parseRectangle(word); });
+    c.option("--mask", "FILE", "Compare only where this picture is not black.",
+             [&o](const std::string& word) { o.mask = checkedOutput(word); });
+    c.option("--diff", "FILE", "Write a picture of the absolute differences.",
+             [&o](const std::string& word) { o.difference = checkedOutput(word); });
+    c.option("--tolerance", "E",
+             "The largest difference of a channel that counts as equal; 0 by default, 1 is display "
+             "white.",
+             [&o](const std::string& word) { o.tolerance = parseReal(word, 0, 1); });
+    c.option("--encoding", choiceName(kEncodings),
+             "What 8- and 16-bit samples are; as the file says by default, or else srgb.",
+             [&o](const std::string& word) {
+                 o.encoding = static_cast<scene::Encoding>(parseChoice(word, kEncodings));
+             });
+    c.flag("--json", "Print JSON.", o.json);
+}
+
+void Program::addPlugins() {
+    Command& c = add("plugins", "List the plugins, or show one with its parameters and an example.",
+                     "rt plugins          # all, broken ones with the reason\n"
+                     "rt plugins sphere   # its parameters and an example\n"
+                     "rt plugins --json   # for scripts\n");
+    c.argument("name", "[NAME]", "The plugin to show.", plugins_.name, false);
+    c.flag("--json", "Print JSON.", plugins_.json);
+    addPluginDirs(c, plugins_.pluginDirs);
+}
+
+void Program::addExplain() {
+    Command& c = add("explain", "Explain an error code: what it means and what to do.",
+                     "rt explain E0312        # one code\n"
+                     "rt explain              # all of them\n"
+                     "rt explain | grep mesh  # those about meshes\n");
+    c.argument("code", "[CODE]", "The code of the message, such as E0312.", explain_.code, false);
+}
+
+void Program::addCompletion() {
+    Command& c =
+        add("completion", "Print the completion script of a shell.",
+            "rt completion bash > ~/.local/share/bash-completion/completions/rt   # bash\n"
+            "rt completion zsh > ~/.zfunc/_rt                                     # zsh\n"
+            "rt completion fish > ~/.config/fish/completions/rt.fish              # fish\n");
+    c.argument("shell", "SHELL", "bash, zsh or fish.", completion_.shell);
+}
+
+// ---- reading ------------------------------------------------------------------------------------------------
+
+/// What other programs call it, what it begins with, what it nearly is; or "".
+std::string optionHint(const std::string& name, const std::vector<std::string>& known) {
+    static const std::vector<std::pair<std::vector<std::string>, std::string>> kElsewhere{
+        {{"-W", "-H", "-w", "--width", "--height", "--resolution", "--res", "-r"}, "--size"},
+        {{"--out", "--outfile", "--out-file"}, "--output"},
+        {{"-j", "--jobs", "--nthreads"}, "--threads"},
+        {{"--spp", "--samples", "--aa"}, "--antialias"},
+        {{"-D", "--define", "-p", "--param"}, "--set"},
+        {{"--window", "--cropwindow", "--region"}, "--crop"}};
+    std::string hint = scene::nearest(name, known);
+    for (const auto& [names, ours] : kElsewhere)
+        if (std::count(names.begin(), names.end(), name) &&
+            std::count(known.begin(), known.end(), ours))
+            hint = ours;
+    if (hint.empty() && name.size() > 3) // two dashes and two letters
+        for (const std::string& option : known)
+            if (option.starts_with(name)) hint = option;
+    return hint.empty() ? "" : "did you mean '" + hint + "'?";
+}
+
+void Program::refuseExtras(const Command* command) const {
+    const std::vector<std::string> extras = app_.remaining();
+    if (extras.empty()) return;
+    const std::string& word = extras.front();
+    if (word.size() > 1 && word[0] == '-') {
+        const std::string name = word.substr(0, word.find('=', 2));
+        std::vector<std::string> names;
+        for (const Command* from : {static_cast<const Command*>(root_.get()), command})
+            if (from)
+                for (const CLI::Option* option : std::as_const(from->app).get_options())
+                    for (const std::string& known : describe(*option).names) names.push_back(known);
+        if (std::find(names.begin(), names.end(), name) != names.end())
+            throw UsageError(name + " belongs behind the command",
+                             "try: rt " + command->app.get_name() + " " + name);
+        throw UsageError("there is no option " + scene::quoted(name), optionHint(name, names));
+    }
+    if (command) throw UsageError(scene::quoted(word) + " is one argument too many");
+    std::vector<std::string> names;
+    for (const auto& known : commands_) names.push_back(known->app.get_name());
+    const std::string near = scene::nearest(word, names);
+    std::string hint;
+    if (!near.empty())
+        hint = "did you mean '" + near + "'?";
+    else if (word.ends_with(".yaml") || word.ends_with(".yml"))
+        hint = "to draw a scene: rt render " + word;
+    else if (word.ends_with(".inf"))
+        hint = "to convert a scene: rt convert " + word;
+    throw UsageError("there is no command " + scene::quoted(word), hint);
+}
+
+void Program::parse(int argc, const char* const* argv, CommandLine& line) {
+    try {
+        app_.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        // All that is left to CLI11 to refuse is an option at the end of the line without its value: "--size: 1 required WxH missing".
+        if (const Command* const command = chosen()) line.command = command->app.get_name();
+        const std::string what = error.what();
+        throw UsageError(what.substr(0, what.find(':')) + " needs a value");
+    }
+    const Command* const command = chosen();
+    if (command) line.command = command->app.get_name();
+    root_->take();
+    line.common = common;
+    refuseExtras(command);
+    if (command) command->take();
+
+    if (root_->help || (command && command->help)) {
+        const Command& asked = command ? *command : *root_;
+        line.options = HelpText{helpText(asked.app, asked.examples)};
+        return;
+    }
+    if (versionFlag_ || line.command == "version") {
+        line.options = VersionOptions{};
+        return;
+    }
+    if (!command) throw UsageError("a command is missing", "try: rt render scene.yaml");
+    command->complete();
+    if (line.command == "render") line.options = render_;
+    if (line.command == "check") line.options = check_;
+    if (line.command == "info") line.options = info_;
+    if (line.command == "schema") line.options = schema_;
+    if (line.command == "convert") line.options = convert_;
+    if (line.command == "compare") line.options = compare_;
+    if (line.command == "plugins") line.options = plugins_;
+    if (line.command == "explain") line.options = explain_;
+    if (line.command == "completion") {
+        parseChoice(completion_.shell, kShells);
+        line.options = completion_;
+    }
+    if (line.command == "help") {
+        const Command* topic = helpTopic_.empty() ? root_.get() : nullptr;
+        std::vector<std::string> names;
+        for (const auto& known : commands_) {
+            names.push_back(known->app.get_name());
+            if (names.back() == helpTopic_) topic = known.get();
+        }
+        if (!topic) parseChoice(helpTopic_, names); // throws
+        line.options = HelpText{helpText(topic->app, topic->examples)};
+    }
+}
+
+std::vector<CommandDescription> Program::describeAll() const {
+    std::vector<const Command*> all{root_.get()};
+    for (const auto& command : commands_) all.push_back(command.get());
+    std::vector<CommandDescription> descriptions;
+    for (const Command* command : all) {
+        CommandDescription description{command == root_.get() ? "rt" : command->app.get_name(),
+                                       command->app.get_description(),
+                                       {},
+                                       {}};
+        for (const CLI::Option* option : command->app.get_options())
+            (option->get_positional() ? description.arguments : description.options)
+                .push_back(describe(*option));
+        descriptions.push_back(std::move(description));
+    }
+    return descriptions;
+}
+
+} // namespace
+
+void parseCommandLine(int argc, const char* const* argv, CommandLine& line) {
+    Program().parse(argc, argv, line);
+}
+
+std::vector<CommandDescription> describeCommands() { return Program().describeAll(); }
+
+} // namespace rt::cli

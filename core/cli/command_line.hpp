@@ -1,0 +1,127 @@
+// The command line as plain structs: one per subcommand. Only command_line.cpp knows the parser.
+#pragma once
+#include <converters/inf.hpp>
+#include <core/cli/values.hpp>
+#include <core/trace/render.hpp>
+#include <formats/image_writer.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace rt::cli {
+
+/// Of every subcommand.
+struct CommonOptions {
+    int verbosity = 0; // -1: errors only; 0: warnings and notes; 1: what is done
+    bool jsonErrors = false;
+};
+
+/// Of every subcommand that reads a scene.
+struct SceneOptions {
+    std::vector<std::string> overrides; // `path=value`
+    std::vector<std::filesystem::path> pluginDirs;
+    bool allowMissing = false;
+};
+
+enum class ProgressStyle : std::uint8_t { automatic, bar, plain, none };
+
+struct RenderOptions : SceneOptions {
+    std::string scene;
+    std::vector<std::string> outputs; // "-": stdout
+    std::optional<formats::ImageFormat> format;
+    std::optional<Rectangle> crop;
+    std::optional<std::array<std::uint32_t, 2>> pixel;
+    trace::Shade shade = trace::Shade::full;
+    ProgressStyle progress = ProgressStyle::automatic;
+    int quality = 95;     // JPEG
+    int threads = 0;      // 0: all that the process may use
+    bool resized = false; // --size is given
+    bool preview = false;
+    bool trace = false;
+    bool statistics = false;
+    std::string statisticsFile; // empty: a table on stderr
+};
+
+struct CheckOptions : SceneOptions {
+    std::vector<std::string> scenes;
+};
+
+struct InfoOptions : SceneOptions {
+    std::string scene;
+    bool full = false;
+    bool json = false;
+};
+
+struct SchemaOptions {
+    std::vector<std::filesystem::path> pluginDirs;
+};
+
+struct ConvertOptions {
+    std::vector<std::string> files;
+    std::string output;
+    std::string movie;
+    std::vector<std::filesystem::path> pluginDirs;
+    converters::WindowOrder windowOrder = converters::WindowOrder::automatic;
+    bool check = false;
+    bool lenient = false;
+    bool jsonNotes = false;
+};
+
+struct CompareOptions {
+    std::string a, b;
+    std::optional<Rectangle> crop;
+    std::string mask, difference;            // files, or empty
+    std::optional<scene::Encoding> encoding; // of 8- and 16-bit samples; none: as the file says
+    double tolerance = 0;
+    bool json = false;
+};
+
+struct PluginsOptions {
+    std::string name;
+    std::vector<std::filesystem::path> pluginDirs;
+    bool json = false;
+};
+
+struct ExplainOptions {
+    std::string code; // empty: list all
+};
+
+struct CompletionOptions {
+    std::string shell;
+};
+
+struct VersionOptions {};
+
+/// Text that the command line itself asked for: help.
+struct HelpText {
+    std::string text;
+};
+
+struct CommandLine {
+    CommonOptions common;
+    std::string command; // "render"; empty: none
+    std::variant<HelpText, RenderOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
+                 CompareOptions, PluginsOptions, ExplainOptions, CompletionOptions, VersionOptions>
+        options;
+};
+
+/// Fills `line` as far as it gets, so that an error can be said as `line.common` asks. Throws UsageError.
+void parseCommandLine(int argc, const char* const* argv, CommandLine& line);
+
+/// What completion scripts are made of.
+struct OptionDescription {
+    std::vector<std::string> names; // "-o", "--output"; empty for an argument
+    std::string value;              // "FILE", "DIR", "none|fsaa4|grid=N", …; empty for a flag
+    std::string text;
+};
+struct CommandDescription {
+    std::string name, text;
+    std::vector<OptionDescription> options, arguments;
+};
+/// The program itself first, under the name "rt", then its subcommands.
+std::vector<CommandDescription> describeCommands();
+
+} // namespace rt::cli

@@ -1,0 +1,109 @@
+#include <core/cli/output.hpp>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include <unistd.h>
+
+namespace rt::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr scene::Code kUnknownSuffix{601}, kNoFolder{602}, kFolderRefuses{603}, kNotAFile{604},
+    kWriteFailed{605};
+
+void error(scene::Diagnostics& diagnostics, scene::Code code, const std::string& path,
+           std::string sentence, std::string suggestion = {}) {
+    diagnostics.error(code, {std::make_shared<scene::Source>(scene::Source{path, {}}), 0, 0},
+                      std::move(sentence), std::move(suggestion));
+}
+
+std::string suffixSuggestion(const fs::path& path) {
+    const std::string suffix = path.extension().string();
+    const std::string near =
+        suffix.size() < 2
+            ? ""
+            : scene::nearest(suffix.substr(1), {"png", "jpg", "jpeg", "bmp", "exr", "pfm"});
+    return near.empty() ? "" : "did you mean '." + near + "'?";
+}
+
+} // namespace
+
+void checkWritable(const std::string& path, scene::Diagnostics& diagnostics) {
+    std::error_code failure;
+    const fs::path target(path);
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    const fs::file_status there = fs::status(target, failure);
+    if (fs::is_directory(there))
+        return error(diagnostics, kNotAFile, path, "is a folder", "name a file in it");
+    if (fs::exists(there) && !fs::is_regular_file(there))
+        return error(diagnostics, kNotAFile, path, "is not a regular file",
+                     "for a pipe use -o - and the shell's |");
+    const fs::file_status folderStatus = fs::status(folder, failure);
+    if (!fs::exists(folderStatus))
+        return error(diagnostics, kNoFolder, path,
+                     "the folder " + scene::quoted(folder.string()) + " does not exist",
+                     "try: mkdir -p " + folder.string());
+    if (!fs::is_directory(folderStatus))
+        return error(diagnostics, kNoFolder, path,
+                     scene::quoted(folder.string()) + " is not a folder");
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        return error(diagnostics, kFolderRefuses, path,
+                     "cannot write into the folder " + scene::quoted(folder.string()) + ": " +
+                         std::strerror(errno));
+}
+
+std::vector<Output> planOutputs(const RenderOptions& options, const scene::Description& description,
+                                scene::Diagnostics& diagnostics) {
+    std::vector<std::string> paths = options.outputs;
+    if (paths.empty())
+        paths.push_back(!description.image.file.empty()
+                            ? description.image.file
+                            : fs::path(options.scene).stem().string() + ".png");
+    std::vector<Output> outputs;
+    for (const std::string& path : paths) {
+        const std::optional<formats::ImageFormat> bySuffix =
+            path == "-" ? formats::ImageFormat::png : formats::imageFormatOf(path);
+        if (!options.format && !bySuffix) {
+            error(diagnostics, kUnknownSuffix, path,
+                  "the suffix must be png, jpg, jpeg, bmp, exr or pfm", suffixSuggestion(path));
+            continue;
+        }
+        if (path != "-") checkWritable(path, diagnostics);
+        outputs.push_back({path, options.format ? *options.format : *bySuffix});
+    }
+    return outputs;
+}
+
+std::string partialName(const std::string& path) {
+    if (path == "-") return path;
+    const fs::path whole(path);
+    return (whole.parent_path() / (whole.stem().string() + ".partial" + whole.extension().string()))
+        .string();
+}
+
+bool writeOutput(const std::string& path, const std::vector<std::byte>& bytes,
+                 const Console& console, scene::Diagnostics& diagnostics) {
+    if (path == "-") {
+        console.result(bytes);
+        return true;
+    }
+    try {
+        std::error_code failure;
+        const fs::path resolved =
+            fs::is_symlink(path, failure) ? fs::weakly_canonical(path) : fs::path(path);
+        formats::writeFileAtomically(resolved.string(), bytes);
+        return true;
+    } catch (const std::system_error& problem) {
+        error(diagnostics, kWriteFailed, path,
+              std::string("cannot be written: ") + problem.code().message() +
+                  "; what was there before is untouched");
+        return false;
+    }
+}
+
+} // namespace rt::cli
