@@ -16,7 +16,8 @@
 namespace rt::formats {
 namespace {
 
-constexpr scene::Code kUnknownKind{450}, kDamaged{451}, kNonFinite{452}, kTooManyPixels{702};
+constexpr scene::Code kUnknownKind{450}, kDamaged{451}, kNonFinite{452}, kNoMemory{703},
+    kTooManyPixels{713};
 constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 31; // 2^26 pixels of three f32 are 0.75 GiB
 
 struct PictureError : std::runtime_error {
@@ -146,7 +147,7 @@ void* allocate(void* context, std::uint32_t width, std::uint32_t height, std::ui
     } catch (const PictureError& error) {
         to.refused = error;
     } catch (const std::bad_alloc&) {
-        to.refused = PictureError(kTooManyPixels, "there is not enough memory for the picture");
+        to.refused = PictureError(kNoMemory, "there is not enough memory for the picture");
     }
     return nullptr;
 }

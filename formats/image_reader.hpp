@@ -30,7 +30,7 @@ struct ReadPictureOptions {
 };
 
 /// Regular files of at most 2 GiB only. Nothing after an error: what readSource says of the file, E0450 no kind that is read,
-/// E0451 truncated or damaged, E0452 a NaN or infinity where none is allowed, E0702 more pixels than the limit.
+/// E0451 truncated or damaged, E0452 a NaN or infinity where none is allowed, E0713 more pixels than the limit.
 std::optional<Picture> readPicture(const std::string& path, const ReadPictureOptions& options,
                                    scene::Diagnostics& diagnostics);
 

@@ -214,9 +214,9 @@ private:
                                    std::to_string(map.merges[0].first.line) +
                                    "; to merge several maps write '<<: [*a, *b]'");
         for (auto& [place, value] : map.merges) {
-            const auto merge = [&](Node& from) {
+            const auto merge = [&, &at = place](Node& from) { // clang 14 captures no bindings
                 if (from.kind != Node::Kind::map) {
-                    diagnostics_.error(kBadMerge, place,
+                    diagnostics_.error(kBadMerge, at,
                                        "'<<' merges a map or a list of maps, such as '<<: *name'");
                     return;
                 }

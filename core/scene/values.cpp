@@ -557,11 +557,14 @@ std::variant<Value, std::string> defaultValue(const rt_param& row) {
 Node nodeOf(const Value& value, const rt_param& row) {
     const auto numberNode = [&](double number) {
         if (row.unit != RT_UNIT_ANGLE) return scalarNode(shortest(number));
+        std::string spelled = shortest(number) + "rad";
         const double degrees = number / numeric::kRadiansPerDegree;
-        for (const double candidate : {std::round(degrees), degrees})
-            if (candidate * numeric::kRadiansPerDegree == number)
-                return scalarNode(shortest(candidate) + "deg");
-        return scalarNode(shortest(number) + "rad");
+        for (const double candidate : {std::round(degrees), degrees}) {
+            const std::string inDegrees = shortest(candidate) + "deg";
+            const bool isExact = candidate * numeric::kRadiansPerDegree == number;
+            if (isExact && inDegrees.size() < spelled.size()) spelled = inDegrees;
+        }
+        return scalarNode(spelled);
     };
     const auto vectorNode = [&](const Vec3& vector) {
         Node list = flowNode(Kind::sequence);
@@ -578,7 +581,7 @@ Node nodeOf(const Value& value, const rt_param& row) {
     if (const auto* vector = std::get_if<Vec3>(&value.data)) return vectorNode(*vector);
     if (const auto* text = std::get_if<std::string>(&value.data)) {
         Node node = scalarNode(*text);
-        node.quoted = text->empty();
+        node.quoted = true;
         return node;
     }
     Node list = flowNode(Kind::sequence);
