@@ -29,9 +29,10 @@ Kind kindOf(const LinearRgb& c) {
 }
 
 struct Sums {
-    double square = 0, absolute = 0, relativeSquare = 0, ours = 0, reference = 0;
+    double square = 0, squareOfRest = 0, absolute = 0, relativeSquare = 0, ours = 0, reference = 0;
     Sums& operator+=(const Sums& o) {
-        square += o.square, absolute += o.absolute, relativeSquare += o.relativeSquare;
+        square += o.square, squareOfRest += o.squareOfRest, absolute += o.absolute,
+            relativeSquare += o.relativeSquare;
         ours += o.ours, reference += o.reference;
         return *this;
     }
@@ -59,7 +60,7 @@ Difference difference(const Framebuffer& picture, const Framebuffer& reference,
     const Region region = checkedRegion(picture, reference, options);
     Difference result;
     Sums total;
-    std::uint64_t finite = 0;
+    std::uint64_t finite = 0, rest = 0;
     for (std::uint32_t y = region.y0; y < region.y1; ++y) {
         Sums
             row; // summed by rows, so that the rounding of a sum grows with the side and not with the area
@@ -78,10 +79,10 @@ Difference difference(const Framebuffer& picture, const Framebuffer& reference,
             }
             ++finite;
             const auto ours = channels(a), theirs = channels(b);
-            double most = 0;
+            double most = 0, square = 0;
             for (std::size_t c = 0; c < 3; ++c) {
                 const double d = std::fabs(ours[c] - theirs[c]);
-                row.square += d * d;
+                square += d * d;
                 row.absolute += d;
                 row.relativeSquare += d * d / (theirs[c] * theirs[c] + 0.01);
                 row.ours += ours[c];
@@ -89,7 +90,11 @@ Difference difference(const Framebuffer& picture, const Framebuffer& reference,
                 if (d > most) most = d;
                 result.peak = std::max({result.peak, ours[c], theirs[c]});
             }
-            if (most > options.tolerance) ++result.over;
+            row.square += square;
+            if (most > options.tolerance)
+                ++result.over;
+            else
+                ++rest, row.squareOfRest += square;
             if (most > result.max) result.max = most, result.maxX = x, result.maxY = y;
         }
         total += row;
@@ -97,6 +102,7 @@ Difference difference(const Framebuffer& picture, const Framebuffer& reference,
     if (finite == 0) return result;
     const double count = 3.0 * double(finite);
     result.rmse = std::sqrt(total.square / count);
+    if (rest) result.rmseOfRest = std::sqrt(total.squareOfRest / (3.0 * double(rest)));
     result.meanAbsolute = total.absolute / count;
     result.meanRelativeSquare = total.relativeSquare / count;
     if (total.ours != total.reference)

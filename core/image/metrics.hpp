@@ -28,6 +28,7 @@ struct Difference {
     std::uint64_t infinite = 0; // pixels with an infinity in either, and no NaN
     std::uint64_t over = 0;     // pixels over the tolerance
     double rmse = 0;
+    double rmseOfRest = 0; // of the pixels not over the tolerance: a handful of flipped edges apart
     double meanAbsolute = 0;
     double meanRelativeSquare = 0; // mean of d^2 / (reference^2 + 0.01)
     double energyError = 0; // sum / reference sum - 1; infinite where only the reference is black

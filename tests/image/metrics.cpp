@@ -58,6 +58,12 @@ TEST(Difference, KnownSums) {
     EXPECT_EQ(d.over, 0u); // not by more than the tolerance
     EXPECT_EQ(d.meanAbsolute, 0.5 / 36);
     EXPECT_EQ(d.rmse, std::sqrt(0.125 / 36));
+    EXPECT_EQ(d.rmseOfRest, d.rmse); // none is over
+    a.at(0, 0).r = 0.625;
+    const Difference cut = difference(a, b, {std::nullopt, nullptr, 0.125});
+    EXPECT_EQ(cut.over, 2u);
+    EXPECT_EQ(cut.rmseOfRest, std::sqrt(0.125 * 0.125 / 30));
+    a.at(0, 0).r = 0.5;
     EXPECT_EQ(d.meanRelativeSquare, 2 * (0.0625 / 0.26) / 36);
     EXPECT_EQ(d.energyError, 0);
     EXPECT_EQ(difference(a, b, {std::nullopt, nullptr, 0.2}).over, 2u);
