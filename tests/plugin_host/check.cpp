@@ -35,7 +35,7 @@ TEST(Check, PassesExactShapesOfManyProportions) {
             catalog, name, {test::instance(catalog, TypeKind::shape, name, values)}, 3000);
         EXPECT_THAT(report.faults, ElementsAre()) << name;
     };
-    for (const double scale : {1e-6, 1.0, 1e6}) {
+    for (const double scale : {1 / 1e6, 1.0, 1e6}) {
         const Vec3 far = 1000.0 * scale * Vec3(3, -2, 5);
         shape("torus", {{"major_radius", scale}, {"minor_radius", 0.001 * scale}});
         shape("torus", {{"major_radius", scale}, {"minor_radius", 0.999 * scale}});
