@@ -81,8 +81,15 @@ struct CompareOptions {
 
 struct PluginsOptions {
     std::string name;
+    std::string check; // a module's file, or empty
     std::vector<std::filesystem::path> pluginDirs;
     bool json = false;
+};
+
+struct NewOptions {
+    std::string kind; // "shape", "texture" or "loader"
+    std::string name;
+    std::string folder; // empty: ./name
 };
 
 struct ExplainOptions {
@@ -104,7 +111,8 @@ struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 CompareOptions, PluginsOptions, ExplainOptions, CompletionOptions, VersionOptions>
+                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
+                 VersionOptions>
         options;
 };
 

@@ -189,7 +189,7 @@ int render(const RenderOptions& options, Console& console) {
     traceOptions.progress = [&](double done) { progress.show(share = done); };
     traceOptions.count = options.statistics;
     trace::Result result = trace::render(tree, *world, description, traceOptions);
-    progress.finish();
+    progress.finish(result.complete ? 1 : share);
     if (options.crop) result.frame = cut(result.frame, *options.crop);
     if (!result.complete)
         return finishInterrupted(result.frame, share, outputs, options, description.image, console);
