@@ -37,4 +37,7 @@ inline constexpr double kFurnace = 1e-12;
 /// Numbers of other programs: half a unit of the last printed digit, a tenth more for their own f32 sums.
 inline constexpr double kPrintedDigits = 1.1;
 
+/// The authors' FLIP rounds its white point and inverse colour matrix to 9 decimals.
+inline constexpr double kFlipReference = 1e-6;
+
 } // namespace rt::tolerance
