@@ -86,21 +86,32 @@ template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, co
 
 } // namespace
 
-float leafCost(const Reference* references, std::uint32_t begin, std::uint32_t end) {
-    // A block is a node visit's worth of work, a custom shape several.
-    constexpr float kBlock = 1, kCustom = 4;
-    std::uint32_t count[4] = {};
-    for (std::uint32_t i = begin; i < end; ++i) ++count[references[i].kind];
-    float cost = kCustom * static_cast<float>(count[3]);
-    for (int kind = 0; kind < 3; ++kind)
-        cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
-    return cost;
+std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
+    const auto& segments = primitives.segments;
+    const auto& segment = segments.size() == 1
+                              ? segments[0]
+                              : primitives.segmentOf(geometry::PrimitiveId{id});
+    return segment.index + id - static_cast<std::uint32_t>(segment.first);
+}
+
+bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
+                 const Reference* last) {
+    if (last - first > kSharedLanes) return false;
+    for (const Reference* r = first; r != last; ++r)
+        if (r->kind != static_cast<std::uint32_t>(geometry::Kind::triangle)) return false;
+    if (last - first <= kSharedLanes / 3) return true;
+    CornerSet corners;
+    for (const Reference* r = first; r != last; ++r)
+        for (const std::uint32_t c : primitives.triangles.indices[indexInKind(primitives, r->id)])
+            if (corners.add(c) < 0) return false;
+    return true;
 }
 
 class Cells::Builder {
 public:
-    Builder(Cells& cells, std::uint32_t count, double scale, const BuildOptions& options)
-        : cells_(cells), references_(cells.references_.get()),
+    Builder(Cells& cells, const geometry::Primitives& primitives, std::uint32_t count, double scale,
+            const BuildOptions& options)
+        : cells_(cells), primitives_(primitives), references_(cells.references_.get()),
           leastCut_(std::min(kLeastCut, std::max(1u, options.maxObjects))),
           maxObjects_(std::max(1u, options.maxObjects)),
           minSize_(static_cast<float>(options.minSize * scale)) {
@@ -401,14 +412,25 @@ private:
         return {};
     }
 
+    /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.
+    float leafCost(std::uint32_t begin, std::uint32_t end) const {
+        constexpr float kBlock = 1, kCustom = 4;
+        if (sharesBlock(primitives_, references_ + begin, references_ + end)) return kBlock;
+        std::uint32_t count[4] = {};
+        for (std::uint32_t i = begin; i < end; ++i) ++count[references_[i].kind];
+        float cost = kCustom * static_cast<float>(count[3]);
+        for (int kind = 0; kind < 3; ++kind)
+            cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
+        return cost;
+    }
+
     /// Cheapest way to put the cell's subtree into n slots of a node, for every n [Ylitie, Karras,
     /// Laine 2017], under the surface area heuristic with one node visit as the unit.
     void merge(Cell& cell, float area) const {
         constexpr float kNode = 1;
         const std::uint32_t size = cell.end - cell.begin;
         const bool leafAllowed = size <= maxObjects_ || !cell.isCut();
-        const float leaf =
-            leafAllowed ? area * leafCost(references_, cell.begin, cell.end) : kInfinityF32;
+        const float leaf = leafAllowed ? area * leafCost(cell.begin, cell.end) : kInfinityF32;
         if (!cell.isCut()) {
             for (int n = 0; n < kNodeChildren; ++n) {
                 cell.cost[n] = leaf;
@@ -442,6 +464,7 @@ private:
     }
 
     Cells& cells_;
+    const geometry::Primitives& primitives_;
     Reference* const references_;
     std::unique_ptr<Reference[]> other_;
     const std::uint32_t leastCut_, maxObjects_;
@@ -449,8 +472,8 @@ private:
     std::atomic<std::uint32_t> cellCount_{0};
 };
 
-Cells::Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, double scale,
-             const BuildOptions& options)
+Cells::Cells(const geometry::Primitives& primitives, std::unique_ptr<Reference[]> references,
+             std::uint32_t count, double scale, const BuildOptions& options)
     : references_(std::move(references)) {
     if (count == 0) return;
     // At most 2n − 1 cells, and what tasks take too many: there are fewer than n / kTaskSize of them.
@@ -459,7 +482,7 @@ Cells::Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, doubl
         2 * static_cast<std::size_t>(count) + kHandful * (count / kTaskSize + 1);
     cells_ = static_cast<Cell*>(std::malloc(capacity * sizeof(Cell)));
     if (!cells_) throw std::bad_alloc();
-    Builder builder(*this, count, scale, options);
+    Builder builder(*this, primitives, count, scale, options);
     root_ = builder.root(count);
 }
 
