@@ -88,9 +88,8 @@ template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, co
 
 std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
     const auto& segments = primitives.segments;
-    const auto& segment = segments.size() == 1
-                              ? segments[0]
-                              : primitives.segmentOf(geometry::PrimitiveId{id});
+    const auto& segment =
+        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
     return segment.index + id - static_cast<std::uint32_t>(segment.first);
 }
 
@@ -385,31 +384,41 @@ private:
         return index;
     }
 
-    /// Cuts the range once. Axes on which nothing can be told apart count as cut; a new level starts
-    /// when none is left. No cut when all centres coincide.
+    /// Cuts the range once: on an axis that this level has left, or, where all centres agree on those,
+    /// on one of the next level. No cut when all centres coincide.
     Cut separate(Range range, Reference* from, Reference*& sorted, int depth, Range& below,
                  Range& above) {
-        // This level, the next, and the next again at the median.
-        constexpr int kByMedian = 2;
-        for (int attempt = 0; attempt <= kByMedian; ++attempt, range.open = 7) {
-            while (range.open) {
-                const bool tryHarder = depth >= kBalancedDepth || attempt == kByMedian;
-                const Cut cut = tryHarder ? medianCut(range, from) : cheapestCut(range, from);
-                if (!cut) break;
-                below = above = Range();
-                if (range.size() > kChunk) {
-                    sorted = from == references_ ? other_.get() : references_;
-                    partitionAcross(from, sorted, range, cut, below, above);
-                } else {
-                    partitionInPlace(from, range, cut, below, above);
-                    sorted = from;
-                }
-                if (below.size() > 0 && above.size() > 0) return cut;
-                sorted = from; // the plane fell on the outermost centre
-                range.open = static_cast<std::uint8_t>(range.open & ~(1 << cut.axis));
-            }
+        Cut cut = chooseCut(range, from, depth);
+        if (!cut) {
+            range.open = 7;
+            cut = chooseCut(range, from, depth);
         }
-        return {};
+        if (!cut) return cut;
+        partition(range, from, cut, sorted, below, above);
+        if (below.size() == 0 ||
+            above.size() == 0) { // rounding put the plane on the outermost centre
+            range.open = static_cast<std::uint8_t>(1 << cut.axis);
+            cut = medianCut(range, from);
+            partition(range, from, cut, sorted, below, above);
+        }
+        return cut;
+    }
+
+    Cut chooseCut(const Range& range, const Reference* from, int depth) const {
+        const Cut cut = depth < kBalancedDepth ? cheapestCut(range, from) : Cut();
+        return cut ? cut : medianCut(range, from);
+    }
+
+    void partition(const Range& range, Reference* from, const Cut& cut, Reference*& sorted,
+                   Range& below, Range& above) {
+        below = above = Range();
+        if (range.size() > kChunk) {
+            sorted = from == references_ ? other_.get() : references_;
+            partitionAcross(from, sorted, range, cut, below, above);
+        } else {
+            sorted = from;
+            partitionInPlace(from, range, cut, below, above);
+        }
     }
 
     /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.

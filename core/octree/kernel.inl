@@ -22,7 +22,7 @@ struct alignas(64) LaneArray {
 /// cube [−1, 1]³; what that rounds grows with the distance and is added to s.
 struct alignas(16) BoxRay {
     float inverse[4], enter[4], leave[4]; // [3]: unused
-    unsigned mirror;    // bit per axis: direction is negative
+    unsigned mirror;                      // bit per axis: direction is negative
     double perT, shift; // octree-space parameter of the moved origin = t · perT − shift
     bool misses;        // the whole cube
 };
@@ -52,6 +52,7 @@ inline double fromBits(std::uint64_t b) {
 struct Normalized {
     Quad direction;
     double factor, inverse; // powers of two
+    bool isFinite;
 };
 
 inline Normalized normalized(const Ray& ray) {
@@ -63,7 +64,9 @@ inline Normalized normalized(const Ray& ray) {
     exponent = exponent < 2046 ? exponent : 2045;
     const double factor = fromBits((2046 - exponent) << 52);
     return {withFourth(loadQuad(d), 1) * allQuad(factor), factor,
-            exponent ? fromBits(exponent << 52) : 0x1p-1023};
+            exponent ? fromBits(exponent << 52) : 0x1p-1023,
+            absolute(d[0]) < __builtin_inf() && absolute(d[1]) < __builtin_inf() &&
+                absolute(d[2]) < __builtin_inf()};
 }
 
 /// `inverses`: of the normalized direction, exact where it is not tiny.
@@ -73,10 +76,10 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
     b.perT = tree.scale * n.inverse;
     if (!(b.perT > 0x1p-900)) b.perT = __builtin_inf(); // underflow: t prunes nothing
     b.shift = 0;
-    b.misses = false;
+    b.misses = !n.isFinite;
     b.mirror = signsOf(n.direction);
-    const Quad d = withSignOf(larger(magnitude(n.direction), allQuad(kSmallestDirection)),
-                              n.direction);
+    const Quad d =
+        withSignOf(larger(magnitude(n.direction), allQuad(kSmallestDirection)), n.direction);
     const Quad inverse = allQuad(1.0) / d;
     Quad o = withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
     store(inverses, inverse);
@@ -88,10 +91,11 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
         for (int i = 0; i < 3; ++i)
             if (!(absolute(at[i]) <= distance)) distance = absolute(at[i]);
         if (!(distance <= kTooFar)) { // or NaN
-            for (int i = 0; i < 3; ++i) {
+            for (int i = 0; i < 3;
+                 ++i) { // every box is met; the planes of empty slots stay infinite
                 b.inverse[i] = 1;
-                b.enter[i] = __builtin_inff();
-                b.leave[i] = -__builtin_inff();
+                b.enter[i] = 0x1p127f;
+                b.leave[i] = -0x1p127f;
             }
             b.mirror = 0;
             b.perT = __builtin_inf();
@@ -117,8 +121,8 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
         o = loadQuad(at);
         b.shift = in;
     }
-    const Quad slack = (allQuad(kSlack) * (allQuad(1.0) + magnitude(o)) + allQuad(extra)) *
-                       magnitude(inverse);
+    const Quad slack =
+        (allQuad(kSlack) * (allQuad(1.0) + magnitude(o)) + allQuad(extra)) * magnitude(inverse);
     const Quad t = o * inverse;
     storeNarrow(b.inverse, inverse);
     storeNarrow(b.enter, t + slack);
@@ -134,29 +138,41 @@ inline float boxLimit(const BoxRay& b, double t) {
     return moved > 0 ? static_cast<float>(moved) * (1 + 0x1p-22f) + 0x1p-120f : 0.0f;
 }
 
+/// A BoxRay in registers.
 struct BoxLanes {
-    F32 inverse[3], enter[3], leave[3];
-    int near[3], far[3]; // rows of Node::planes
+    F32 inverseX, inverseY, inverseZ, enterX, enterY, enterZ, leaveX, leaveY, leaveZ;
+    std::uintptr_t nearX, nearY, nearZ; // offsets of rows of Node::planes, bytes
 };
 
-inline void broadcast(BoxLanes& lanes, const BoxRay& b) {
-    for (int i = 0; i < 3; ++i) {
-        lanes.inverse[i] = all(b.inverse[i]);
-        lanes.enter[i] = all(b.enter[i]);
-        lanes.leave[i] = all(b.leave[i]);
-        lanes.near[i] = 2 * i + static_cast<int>(b.mirror >> i & 1);
-        lanes.far[i] = lanes.near[i] ^ 1;
-    }
+constexpr std::uintptr_t kRow = kLanes * sizeof(float);
+
+inline BoxLanes lanesOf(const BoxRay& b) {
+    return {all(b.inverse[0]),
+            all(b.inverse[1]),
+            all(b.inverse[2]),
+            all(b.enter[0]),
+            all(b.enter[1]),
+            all(b.enter[2]),
+            all(b.leave[0]),
+            all(b.leave[1]),
+            all(b.leave[2]),
+            kRow * (b.mirror & 1),
+            kRow * (2 + (b.mirror >> 1 & 1)),
+            kRow * (4 + (b.mirror >> 2))};
+}
+
+inline F32 row(const Node& node, std::uintptr_t offset) {
+    return load(reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset));
 }
 
 /// The children whose boxes the ray meets in [0, limit].
 inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& enter) {
-    const F32 nx = productMinus(load(node.planes[ray.near[0]]), ray.inverse[0], ray.enter[0]);
-    const F32 ny = productMinus(load(node.planes[ray.near[1]]), ray.inverse[1], ray.enter[1]);
-    const F32 nz = productMinus(load(node.planes[ray.near[2]]), ray.inverse[2], ray.enter[2]);
-    const F32 fx = productMinus(load(node.planes[ray.far[0]]), ray.inverse[0], ray.leave[0]);
-    const F32 fy = productMinus(load(node.planes[ray.far[1]]), ray.inverse[1], ray.leave[1]);
-    const F32 fz = productMinus(load(node.planes[ray.far[2]]), ray.inverse[2], ray.leave[2]);
+    const F32 nx = productMinus(row(node, ray.nearX), ray.inverseX, ray.enterX);
+    const F32 ny = productMinus(row(node, ray.nearY), ray.inverseY, ray.enterY);
+    const F32 nz = productMinus(row(node, ray.nearZ), ray.inverseZ, ray.enterZ);
+    const F32 fx = productMinus(row(node, ray.nearX ^ kRow), ray.inverseX, ray.leaveX);
+    const F32 fy = productMinus(row(node, ray.nearY ^ kRow), ray.inverseY, ray.leaveY);
+    const F32 fz = productMinus(row(node, ray.nearZ ^ kRow), ray.inverseZ, ray.leaveZ);
     enter = larger(larger(nx, ny), larger(nz, all(0.0f)));
     return bitsLessEqual(enter, smaller(smaller(fx, fy), smaller(fz, limit)));
 }
@@ -165,6 +181,7 @@ inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& ent
 struct Frame {
     double origin[3], direction[3];
     int kx, ky, kz;
+    double ox, oy, oz; // origin[kx] and so on
     double shearX, shearY, shearZ;
     double squared, inverseSquared;
 };
@@ -172,10 +189,12 @@ struct Frame {
 inline Frame frameOf(const TreeView& tree, const Ray& ray, const Normalized& n,
                      const double inverses[4]) {
     Frame f;
-    for (int i = 0; i < 3; ++i) {
-        f.origin[i] = (&ray.origin.x)[i];
-        f.direction[i] = (&ray.direction.x)[i];
-    }
+    f.origin[0] = ray.origin.x;
+    f.origin[1] = ray.origin.y;
+    f.origin[2] = ray.origin.z;
+    f.direction[0] = ray.direction.x;
+    f.direction[1] = ray.direction.y;
+    f.direction[2] = ray.direction.z;
     const double x = absolute(f.direction[0]), y = absolute(f.direction[1]),
                  z = absolute(f.direction[2]);
     // The same axis as geometry::frameOf, without a branch.
@@ -184,6 +203,9 @@ inline Frame frameOf(const TreeView& tree, const Ray& ray, const Normalized& n,
     f.kz = kAxis[(x > y) | (x > z) << 1 | (y > z) << 2];
     f.kx = kNext[f.kz];
     f.ky = kAfter[f.kz];
+    f.ox = (&ray.origin.x)[f.kx];
+    f.oy = (&ray.origin.x)[f.ky];
+    f.oz = (&ray.origin.x)[f.kz];
     // 1 / d, since scaling by a power of two rounds nothing (unless 1 / d is subnormal or infinite).
     f.shearZ = inverses[f.kz] * n.factor;
     f.shearX = f.direction[f.kx] * f.shearZ;
@@ -201,9 +223,9 @@ struct Sheared {
 };
 
 inline Sheared shear(const Frame& f, const double corner[3][kLanes]) {
-    const F64 z = load(corner[f.kz]) - all(f.origin[f.kz]);
-    return {(load(corner[f.kx]) - all(f.origin[f.kx])) - all(f.shearX) * z,
-            (load(corner[f.ky]) - all(f.origin[f.ky])) - all(f.shearY) * z, z};
+    const F64 z = load(corner[f.kz]) - all(f.oz);
+    return {(load(corner[f.kx]) - all(f.ox)) - all(f.shearX) * z,
+            (load(corner[f.ky]) - all(f.oy)) - all(f.shearY) * z, z};
 }
 
 struct Edges {
@@ -271,7 +293,7 @@ struct alignas(64) SharedArray {
 };
 
 inline SharedCorners shearShared(const Frame& f, const SharedBlock& block) {
-    const F64 ox = all(f.origin[f.kx]), oy = all(f.origin[f.ky]), oz = all(f.origin[f.kz]);
+    const F64 ox = all(f.ox), oy = all(f.oy), oz = all(f.oz);
     const F64 sx = all(f.shearX), sy = all(f.shearY);
     const double *const x = block.corner[f.kx], *const y = block.corner[f.ky],
                         *const z = block.corner[f.kz];
@@ -526,7 +548,8 @@ inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const R
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
         if (kCount)
-            visits->triangles += static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
+            visits->triangles +=
+                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
         return closestInShared(tree.shared[index], f, tree.scale, exclude, best);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
@@ -561,8 +584,7 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
     if (tree.hasUnbounded)
         closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
     if (!tree.nodes || box.misses) return answer(best, hit);
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const Order order = orderOf(box.mirror);
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
@@ -633,7 +655,8 @@ inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& 
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
         if (kCount)
-            visits->triangles += static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
+            visits->triangles +=
+                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
         return anyInShared(tree.shared[index], f, tree.scale, exclude, limit);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
@@ -668,8 +691,7 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
         anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
         return true;
     if (!tree.nodes || box.misses) return false;
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
     int top = 0;
@@ -779,8 +801,7 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
     const double last = below(ray.tMax);
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
     if (!tree.nodes || box.misses) return true;
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
     int top = 0;

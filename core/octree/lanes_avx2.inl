@@ -151,8 +151,8 @@ inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, dou
     unsigned in = 0;
     for (int half = 0; half < 2; ++half) {
         const auto pick = [&](int corner, __m256 low, __m256 high) {
-            const __m256i i = _mm256_cvtepu8_epi32(_mm_loadl_epi64(
-                reinterpret_cast<const __m128i*>(block.index[corner] + 8 * half)));
+            const __m256i i = _mm256_cvtepu8_epi32(
+                _mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.index[corner] + 8 * half)));
             // Bit 3 of the index, moved to the sign, chooses the half.
             return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, i),
                                     _mm256_permutevar8x32_ps(high, i),
@@ -172,9 +172,9 @@ inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, dou
                                              _mm256_set1_ps(kFilterUnderflow));
         const __m256 least = _mm256_min_ps(_mm256_min_ps(u, v), w);
         const __m256 most = _mm256_max_ps(_mm256_max_ps(u, v), w);
-        const __m256 out =
-            _mm256_and_ps(_mm256_cmp_ps(_mm256_add_ps(least, bound), _mm256_setzero_ps(), _CMP_LT_OQ),
-                          _mm256_cmp_ps(most, bound, _CMP_GT_OQ));
+        const __m256 out = _mm256_and_ps(
+            _mm256_cmp_ps(_mm256_add_ps(least, bound), _mm256_setzero_ps(), _CMP_LT_OQ),
+            _mm256_cmp_ps(most, bound, _CMP_GT_OQ));
         in |= (~static_cast<unsigned>(_mm256_movemask_ps(out)) & 255) << (8 * half);
     }
     return block.valid & in;

@@ -75,8 +75,7 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
                              std::uint32_t* references, float* enters, int& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     const std::uint32_t next = node.child[nearest];
-    mask &= ~(1u << nearest);
-    if (!mask) return next;
+    mask &= ~(1u << nearest); // often empty, unpredictably: storing nothing beats a branch
     const __m256i child = _mm256_permutevar8x32_epi32(
         _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)), order.slots);
     const __m256 t = _mm256_permutevar8x32_ps(enter.v, order.slots);
@@ -109,12 +108,12 @@ struct SharedCorners {
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
 inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double scale) {
     const __m512d s = _mm512_set1_pd(scale);
-    const __m512 x = _mm512_insertf32x8(
-        _mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),
-        _mm512_cvtpd_ps(_mm512_mul_pd(c.x1.v, s)), 1);
-    const __m512 y = _mm512_insertf32x8(
-        _mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.y0.v, s))),
-        _mm512_cvtpd_ps(_mm512_mul_pd(c.y1.v, s)), 1);
+    const __m512 x =
+        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),
+                           _mm512_cvtpd_ps(_mm512_mul_pd(c.x1.v, s)), 1);
+    const __m512 y =
+        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.y0.v, s))),
+                           _mm512_cvtpd_ps(_mm512_mul_pd(c.y1.v, s)), 1);
     const auto indices = [&](int corner) {
         return _mm512_cvtepu8_epi32(
             _mm_load_si128(reinterpret_cast<const __m128i*>(block.index[corner])));
@@ -127,10 +126,10 @@ inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, dou
     const __m512 v = _mm512_fmsub_ps(ax, cy, _mm512_mul_ps(ay, cx));
     const __m512 w = _mm512_fmsub_ps(bx, ay, _mm512_mul_ps(by, ax));
     constexpr int kLargestMagnitude = 0b1011;
-    const __m512 m = _mm512_range_ps(
-        _mm512_range_ps(_mm512_range_ps(ax, ay, kLargestMagnitude),
-                        _mm512_range_ps(bx, by, kLargestMagnitude), kLargestMagnitude),
-        _mm512_range_ps(cx, cy, kLargestMagnitude), kLargestMagnitude);
+    const __m512 m = _mm512_range_ps(_mm512_range_ps(_mm512_range_ps(ax, ay, kLargestMagnitude),
+                                                     _mm512_range_ps(bx, by, kLargestMagnitude),
+                                                     kLargestMagnitude),
+                                     _mm512_range_ps(cx, cy, kLargestMagnitude), kLargestMagnitude);
     const __m512 bound = _mm512_fmadd_ps(_mm512_mul_ps(_mm512_set1_ps(kFilterBound), m), m,
                                          _mm512_set1_ps(kFilterUnderflow));
     const __m512 least = _mm512_min_ps(_mm512_min_ps(u, v), w);

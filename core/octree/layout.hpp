@@ -31,8 +31,8 @@ static_assert(sizeof(Node) == 256);
 inline constexpr int kSharedLanes = 16;
 
 struct alignas(64) SharedBlock {
-    double corner[3][kSharedLanes];           // [axis][corner]
-    std::uint8_t index[3][kSharedLanes];      // [corner of the triangle][lane]
+    double corner[3][kSharedLanes];      // [axis][corner]
+    std::uint8_t index[3][kSharedLanes]; // [corner of the triangle][lane]
     std::uint32_t id[kSharedLanes];
     std::uint32_t valid; // bit per lane
     std::uint32_t spare[3];

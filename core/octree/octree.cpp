@@ -161,8 +161,8 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
         References references = referencesOf(primitives);
         for (int i = 0; i < 3; ++i) view.center[i] = references.center[i];
         view.scale = references.scale;
-        const Cells cells(primitives, std::move(references.bounded), references.boundedCount, references.scale,
-                          options);
+        const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
+                          references.scale, options);
         impl.tree = emit(cells, references.unbounded, primitives);
     };
     // Starting threads costs more than a small tree.
@@ -227,10 +227,11 @@ Statistics Octree::statistics() const {
     if (!impl_) return s;
     const Tree& tree = impl_->tree;
     s.nodes = tree.nodes.size();
-    s.blocks = tree.shared.size() + tree.triangles.size() + tree.spheres.size() + tree.parallelograms.size();
-    s.bytes = tree.nodes.bytes() + tree.shared.bytes() + tree.triangles.bytes() + tree.spheres.bytes() +
-              tree.parallelograms.bytes() + tree.records.bytes() + tree.runs.bytes() +
-              tree.customPrimitives.bytes() + tree.customIds.bytes();
+    s.blocks = tree.shared.size() + tree.triangles.size() + tree.spheres.size() +
+               tree.parallelograms.size();
+    s.bytes = tree.nodes.bytes() + tree.shared.bytes() + tree.triangles.bytes() +
+              tree.spheres.bytes() + tree.parallelograms.bytes() + tree.records.bytes() +
+              tree.runs.bytes() + tree.customPrimitives.bytes() + tree.customIds.bytes();
     const auto inUse = [](const std::uint32_t* id) {
         std::size_t n = 0;
         while (n < kLanes && id[n] != kEmptyChild) ++n;

@@ -211,7 +211,7 @@ constexpr Field kAntialias[] = {
 
 constexpr Field kOctree[] = {
     field<&Render::octreeMaxObjects>(
-        count("max_objects", "8", {1, kMaxCount}, "A cell with more primitives is divided.")),
+        count("max_objects", "16", {1, kMaxCount}, "A cell with more primitives is divided.")),
     field<&Render::octreeMinSize>(real("min_size", RT_UNIT_LENGTH, "0", kNotNegative,
                                        "Cells are not divided below this size; 0: no limit.")),
 };

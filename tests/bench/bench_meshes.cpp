@@ -95,11 +95,12 @@ double bumps(const Vec3& p) {
 void addIcosphere(Mesh& mesh, int levels, double displacement, Vec3 center, double radius) {
     Mesh ball;
     const double g = (1 + std::sqrt(5.0)) / 2;
-    ball.positions = {{-1, g, 0}, {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
+    ball.positions = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-    ball.indices = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    ball.indices = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                    {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                    {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     for (int i = 0; i < levels; ++i) {
         subdivide(ball);
         for (Vec3& p : ball.positions) p = normalize(p);
@@ -123,9 +124,9 @@ void lookFrom(Mesh& mesh, const Vec3& direction, double distance) {
     const double radius = 0.5 * numeric::length(box.diagonal());
     mesh.target = box.centre();
     mesh.eye = mesh.target + normalize(direction) * (radius * distance);
-    mesh.light = mesh.target + normalize(Vec3(direction.z + direction.x, 1.2,
-                                              direction.z - direction.x)) *
-                                   (radius * 3);
+    mesh.light =
+        mesh.target +
+        normalize(Vec3(direction.z + direction.x, 1.2, direction.z - direction.x)) * (radius * 3);
     mesh.fieldOfView = 2 * std::atan(0.55 / distance);
 }
 
@@ -182,12 +183,13 @@ void addFlake(std::vector<Ball>& balls, const Vec3& center, double radius, const
               int depth) {
     balls.push_back({center, radius});
     if (depth == 0) return;
-    const Vec3 side = normalize(
-        numeric::cross(up, std::fabs(up.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
+    const Vec3 side =
+        normalize(numeric::cross(up, std::fabs(up.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
     const Vec3 front = numeric::cross(up, side);
     const auto child = [&](double azimuth, double elevation) {
-        const Vec3 d = (side * std::cos(azimuth) + front * std::sin(azimuth)) * std::cos(elevation) +
-                       up * std::sin(elevation);
+        const Vec3 d =
+            (side * std::cos(azimuth) + front * std::sin(azimuth)) * std::cos(elevation) +
+            up * std::sin(elevation);
         addFlake(balls, center + d * (radius * 4 / 3), radius / 3, d, depth - 1);
     };
     for (int i = 0; i < 6; ++i) child(2 * M_PI * i / 6, 0);

@@ -29,7 +29,8 @@ Rays makeRays(const octree::Octree& tree, const geometry::Primitives& primitives
         for (int tx = 0; tx < kSize; tx += kTile) {
             if ((tx / kTile + ty / kTile) % kKeep != 0) continue;
             for (int i = 0; i < kTile * kTile; ++i) {
-                const int bx = (i >> 4 & 1) | (i >> 6 & 1) << 1, by = (i >> 5 & 1) | (i >> 7 & 1) << 1;
+                const int bx = (i >> 4 & 1) | (i >> 6 & 1) << 1, by = (i >> 5 & 1) | (i >> 7 & 1)
+                                                                                         << 1;
                 const int x = tx + bx * 4 + (i & 3), y = ty + by * 4 + (i >> 2 & 3);
                 const double a = (2 * (x + 0.5) / kSize - 1) * half,
                              b = (1 - 2 * (y + 0.5) / kSize) * half;
@@ -55,8 +56,7 @@ Rays makeRays(const octree::Octree& tree, const geometry::Primitives& primitives
         shadow.origin = mirror.origin = p;
         shadow.direction = narrowed(light - p);
         shadow.tMax = 0.9999f;
-        mirror.direction =
-            narrowed(normalize(ray.direction - n * (2 * dot(n, ray.direction))));
+        mirror.direction = narrowed(normalize(ray.direction - n * (2 * dot(n, ray.direction))));
         rays.of[kShadow].push_back(shadow);
         rays.of[kMirror].push_back(mirror);
     }

@@ -42,8 +42,7 @@ struct EmbreeScene::Impl {
         const ssize_t before = monitored;
         const auto start = std::chrono::steady_clock::now();
         rtcCommitScene(scene);
-        seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         bytes = static_cast<std::size_t>(monitored - before);
     }
 
@@ -53,9 +52,8 @@ struct EmbreeScene::Impl {
 EmbreeScene::EmbreeScene(const Mesh& mesh, bool robust, int threads)
     : impl_(std::make_unique<Impl>(robust, threads)) {
     RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                mesh.positions.size()));
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.positions.size()));
     for (const Vec3& p : mesh.positions)
         for (int i = 0; i < 3; ++i) *vertices++ = static_cast<float>(p[i]);
     void* const indices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
@@ -67,8 +65,8 @@ EmbreeScene::EmbreeScene(const Mesh& mesh, bool robust, int threads)
 EmbreeScene::EmbreeScene(const std::vector<Ball>& balls, bool robust)
     : impl_(std::make_unique<Impl>(robust, 1)) {
     RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, balls.size()));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, balls.size()));
     for (const Ball& b : balls) {
         for (int i = 0; i < 3; ++i) *vertices++ = static_cast<float>(b.center[i]);
         *vertices++ = static_cast<float>(b.radius);
@@ -128,8 +126,8 @@ void EmbreeScene::occluded(const EmbreeRay* rays, std::size_t count, char* answe
 
 namespace {
 
-alignas(64) const int kAllValid[16] = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                       -1, -1, -1, -1, -1, -1, -1, -1};
+alignas(64) const
+    int kAllValid[16] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
 
 template <class Packet> void fill(Packet& p, const EmbreeRay* rays) {
     for (int i = 0; i < 16; ++i) {
@@ -155,8 +153,7 @@ void EmbreeScene::closest16(const EmbreeRay* rays, std::size_t count, EmbreeHit*
     alignas(64) RTCRayHit16 q;
     for (std::size_t i = 0; i < count; i += 16) {
         fill(q.ray, rays + i);
-        for (int k = 0; k < 16; ++k)
-            q.hit.geomID[k] = q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        for (int k = 0; k < 16; ++k) q.hit.geomID[k] = q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect16(kAllValid, impl_->scene, &impl_->coherent, &q);
         for (int k = 0; k < 16; ++k)
             hits[i + static_cast<std::size_t>(k)] = {

@@ -106,14 +106,15 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
              const Options& options) {
     const Primitives& primitives = *subject.primitives;
     const Octree tree = Octree::build(primitives, options.build);
-    const Rays rays = makeRays(tree, primitives, subject.eye, subject.target, subject.light,
-                               subject.fieldOfView);
+    const Rays rays =
+        makeRays(tree, primitives, subject.eye, subject.target, subject.light, subject.fieldOfView);
     std::vector<Hit> hits[kClasses];
     std::vector<char> occluded(rays.of[kShadow].size());
     for (int c = 0; c < kClasses; ++c) hits[c].resize(rays.of[c].size());
 
     std::vector<Contender> contenders;
-    contenders.push_back({"octree", [&](RayClass c) {
+    contenders.push_back({"octree",
+                          [&](RayClass c) {
                               const auto& list = rays.of[c];
                               if (c == kShadow)
                                   for (std::size_t i = 0; i < list.size(); ++i)
@@ -121,7 +122,8 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
                               else
                                   for (std::size_t i = 0; i < list.size(); ++i)
                                       hits[c][i] = tree.closest(list[i]);
-                          }, {}});
+                          },
+                          {}});
 #ifdef RT_BENCH_EMBREE
     const auto scene = [&](bool robust) {
         return mesh ? std::make_unique<EmbreeScene>(*mesh, robust)
@@ -131,13 +133,13 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
     std::vector<EmbreeRay> embreeRays[kClasses];
     for (int c = 0; c < kClasses; ++c)
         for (const auto& r : rays.of[c])
-            embreeRays[c].push_back({{static_cast<float>(r.origin.x), static_cast<float>(r.origin.y),
-                                      static_cast<float>(r.origin.z)},
-                                     static_cast<float>(r.tMax),
-                                     {static_cast<float>(r.direction.x),
-                                      static_cast<float>(r.direction.y),
-                                      static_cast<float>(r.direction.z)},
-                                     0});
+            embreeRays[c].push_back(
+                {{static_cast<float>(r.origin.x), static_cast<float>(r.origin.y),
+                  static_cast<float>(r.origin.z)},
+                 static_cast<float>(r.tMax),
+                 {static_cast<float>(r.direction.x), static_cast<float>(r.direction.y),
+                  static_cast<float>(r.direction.z)},
+                 0});
     std::vector<EmbreeHit> embreeHits[kClasses], scratch;
     std::vector<char> embreeOccluded(occluded.size()), scratchOccluded(occluded.size());
     for (int c = 0; c < kClasses; ++c) {
@@ -186,9 +188,21 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
                     subject.name.c_str(), count, static_cast<double>(statistics.bytes) / count,
                     build, buildSeconds(primitives, options.build, 2));
 #ifdef RT_BENCH_EMBREE
-        std::printf("; Embree %.1f bytes each, %.3f s", static_cast<double>(robust->bytes()) / count,
-                    robust->buildSeconds());
+        std::printf("; Embree %.1f bytes each, %.3f s",
+                    static_cast<double>(robust->bytes()) / count, robust->buildSeconds());
 #endif
+        std::printf("\n%-18s", "nodes, tests/ray");
+        for (int c = 0; c < kClasses; ++c) {
+            octree::Visits visits;
+            for (const auto& r : rays.of[c])
+                if (c == kShadow)
+                    tree.occluded(r, &visits);
+                else
+                    tree.closest(r, &visits);
+            const auto n = static_cast<double>(rays.of[c].size());
+            std::printf(" %7.2f,%7.2f", static_cast<double>(visits.nodes) / n,
+                        static_cast<double>(visits.triangles + visits.spheres) / n);
+        }
         std::printf("\n%-18s", "Mrays/s (ratio)");
         for (const char* name : kClassNames) std::printf(" %15s", name);
         std::printf("\n");
@@ -208,9 +222,9 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
 #ifdef RT_BENCH_EMBREE
     for (int c = 0; c < kClasses; ++c)
         for (std::size_t i = 0; i < rays.of[c].size(); ++i)
-            mismatches[c] +=
-                c == kShadow ? occluded[i] != embreeOccluded[i]
-                             : static_cast<std::uint32_t>(hits[c][i].id) != embreeHits[c][i].id;
+            mismatches[c] += c == kShadow
+                                 ? occluded[i] != embreeOccluded[i]
+                                 : static_cast<std::uint32_t>(hits[c][i].id) != embreeHits[c][i].id;
     if (!options.json)
         std::printf("%-18s %15zu %15zu %15zu %15zu\n", "other id", mismatches[0], mismatches[1],
                     mismatches[2], mismatches[3]);
@@ -250,13 +264,18 @@ int run(int argc, char** argv) {
             if (i + 1 >= argc) throw std::runtime_error(word + " needs a value");
             return std::stoi(argv[++i]);
         };
-        if (word == "--json") options.json = true;
-        else if (word == "--spheres") options.spheres = true;
-        else if (word == "--rounds") options.rounds = value();
+        if (word == "--json")
+            options.json = true;
+        else if (word == "--spheres")
+            options.spheres = true;
+        else if (word == "--rounds")
+            options.rounds = value();
         else if (word == "--max-objects")
             options.build.maxObjects = static_cast<std::uint32_t>(value());
-        else if (word.starts_with("--")) throw std::runtime_error("no option " + word);
-        else meshes.push_back(word);
+        else if (word.starts_with("--"))
+            throw std::runtime_error("no option " + word);
+        else
+            meshes.push_back(word);
     }
     if (meshes.empty())
         meshes = options.spheres ? std::vector<std::string>{"flake", "random"}
