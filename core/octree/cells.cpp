@@ -2,7 +2,7 @@
 
 #include <core/parallel/parallel.hpp>
 
-#include <emmintrin.h>
+#include <immintrin.h>
 
 #include <algorithm>
 #include <atomic>
@@ -168,7 +168,8 @@ private:
         _mm_store_ps(upper, range.centers.upper);
         for (int a = 0; a < 3; ++a) {
             // Just under kBins, so that the last centre falls into the last bin.
-            const float s = kBins * (1 - 0x1p-20f) / (upper[a] - lower[a]);
+            const float s =
+                kBins * (1 - static_cast<float>(numeric::powerOfTwo(-20))) / (upper[a] - lower[a]);
             scale[a] = upper[a] > lower[a] && s < kInfinityF32 ? s : 0;
         }
         Bins bins;

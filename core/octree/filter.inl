@@ -6,5 +6,5 @@
 /// off by at most 2m²·((1 + u)⁴ − 1) <= 8.1u·m². Scaled coordinates below 2^-126 and products below
 /// 2^-126 lose at most 2^-149 and (3m + 1)·2^-148 more; overflow makes inf or NaN, which rule nothing
 /// out.
-constexpr float kFilterBound = 10 * 0x1p-24f;
-constexpr float kFilterUnderflow = 0x1p-120f;
+constexpr float kFilterBound = static_cast<float>(10 * numeric::powerOfTwo(-24));
+constexpr float kFilterUnderflow = static_cast<float>(numeric::powerOfTwo(-120));

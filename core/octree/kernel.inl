@@ -27,12 +27,19 @@ struct alignas(16) BoxRay {
     bool misses;        // the whole cube
 };
 
-constexpr double kNear = 8;            // half sides of the cube
-constexpr double kSlack = 4 * 0x1p-24; // 4u of f32, derived above
-constexpr double kFarSlack = 0x1p-46;  // 128 u of f64: moving the origin, and the leaf tests
-constexpr double kTooFar = 0x1p100;    // beyond, f32 would overflow: boxes are not tested
-constexpr double kSmallestDirection = 0x1p-60; // of a largest component in [1, 2): moves a ray by
-                                               // less than 2^-56 within the cube
+constexpr double kNear = 8;                             // half sides of the cube
+constexpr double kSlack = 4 * numeric::powerOfTwo(-24); // 4u of f32, derived above
+constexpr double kFarSlack =
+    numeric::powerOfTwo(-46);       // 128 u of f64: moving the origin, and the leaf tests
+constexpr double kTooFar = 0x1p100; // beyond, f32 would overflow: boxes are not tested
+constexpr double kSmallestDirection =
+    numeric::powerOfTwo(-60); // of a largest component in [1, 2): moves a ray by
+                              // less than 2^-56 within the cube
+
+constexpr double kLeastPower = numeric::powerOfTwo(-1023), kLeastScale = numeric::powerOfTwo(-900);
+constexpr double kLimitSlack = numeric::powerOfTwo(-50);                       // 8 u of f64
+constexpr float kLimitSlackF32 = static_cast<float>(numeric::powerOfTwo(-22)); // 4 u of f32
+constexpr float kLeastLimit = static_cast<float>(numeric::powerOfTwo(-120));
 
 inline double absolute(double x) { return __builtin_fabs(x); }
 
@@ -64,7 +71,7 @@ inline Normalized normalized(const Ray& ray) {
     exponent = exponent < 2046 ? exponent : 2045;
     const double factor = fromBits((2046 - exponent) << 52);
     return {withFourth(loadQuad(d), 1) * allQuad(factor), factor,
-            exponent ? fromBits(exponent << 52) : 0x1p-1023,
+            exponent ? fromBits(exponent << 52) : kLeastPower,
             absolute(d[0]) < __builtin_inf() && absolute(d[1]) < __builtin_inf() &&
                 absolute(d[2]) < __builtin_inf()};
 }
@@ -74,7 +81,7 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
                        double inverses[4]) {
     BoxRay b;
     b.perT = tree.scale * n.inverse;
-    if (!(b.perT > 0x1p-900)) b.perT = __builtin_inf(); // underflow: t prunes nothing
+    if (!(b.perT > kLeastScale)) b.perT = __builtin_inf(); // underflow: t prunes nothing
     b.shift = 0;
     b.misses = !n.isFinite;
     b.mirror = signsOf(n.direction);
@@ -133,9 +140,9 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
 /// An f32 parameter of the boxes at or after t.
 inline float boxLimit(const BoxRay& b, double t) {
     const double scaled = t * b.perT;
-    const double moved = scaled - b.shift + (0x1p-50 * scaled);
+    const double moved = scaled - b.shift + kLimitSlack * scaled;
     if (!(moved < 0x1p120)) return __builtin_inff(); // or NaN
-    return moved > 0 ? static_cast<float>(moved) * (1 + 0x1p-22f) + 0x1p-120f : 0.0f;
+    return moved > 0 ? static_cast<float>(moved) * (1 + kLimitSlackF32) + kLeastLimit : 0.0f;
 }
 
 /// A BoxRay in registers.

@@ -51,7 +51,7 @@ Rays makeRays(const octree::Octree& tree, const geometry::Primitives& primitives
         Vec3 n = surface.geometricNormal;
         if (dot(n, ray.direction) > 0) n = -n;
         // Well off the surface: what f32 would need.
-        const Vec3 p = narrowed(surface.position + n * (2e-5 * std::fmin(size, 5)));
+        const Vec3 p = narrowed(surface.position + n * (0.00002 * std::fmin(size, 5)));
         geometry::Ray shadow, mirror;
         shadow.origin = mirror.origin = p;
         shadow.direction = narrowed(light - p);

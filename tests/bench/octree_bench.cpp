@@ -33,7 +33,7 @@ using octree::Octree;
 double cpuSeconds() {
     timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) / 1e9;
 }
 
 double median(std::vector<double> v) {
@@ -178,7 +178,7 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
         return median(r);
     };
     const auto mrays = [&](const Contender& a, int c) {
-        return static_cast<double>(rays.of[c].size()) / median(a.seconds[c]) * 1e-6;
+        return static_cast<double>(rays.of[c].size()) / median(a.seconds[c]) / 1e6;
     };
     const auto statistics = tree.statistics();
     const double count = primitives.count();
