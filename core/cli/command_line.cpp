@@ -17,6 +17,7 @@ namespace {
 
 using Take = std::function<void(const std::string& word)>;
 
+constexpr std::uint32_t kMaxWhole = 0xFFFFFFFF;
 constexpr std::size_t kHelpWidth = 80;
 constexpr std::size_t kHelpColumn = 26; // where the text beside an option begins
 
@@ -275,6 +276,10 @@ private:
                        "objects.moon.radius=4; may be given more than once.",
                        [&options](const std::string& word) {
                            options.overrides.push_back(checkedOverride(word));
+                       });
+        command.option("--limit-pixels", "N", "Refuse larger pictures; 268435456 by default.",
+                       [&options](const std::string& word) {
+                           options.limitPixels = parseWhole(word, 1, kMaxWhole);
                        });
         command.flag("--allow-missing", "Leave out objects whose file is missing.",
                      options.allowMissing);

@@ -2,6 +2,7 @@
 #pragma once
 #include <converters/inf.hpp>
 #include <core/cli/values.hpp>
+#include <core/scene/validate.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_writer.hpp>
 
@@ -23,6 +24,7 @@ struct CommonOptions {
 struct SceneOptions {
     std::vector<std::string> overrides; // `path=value`
     std::vector<std::filesystem::path> pluginDirs;
+    std::uint64_t limitPixels = scene::Limits{}.pixels;
     bool allowMissing = false;
 };
 

@@ -157,6 +157,7 @@ int render(const RenderOptions& options, Console& console) {
                                           {.allowMissing = options.allowMissing});
     if (!world) return finish();
     console.report(diagnostics);
+    diagnostics = {};
     for (const plugin_host::ModuleInfo& module : catalog.opened())
         console.detail("plugin " + module.name + ": " + module.path.string());
 

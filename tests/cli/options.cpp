@@ -131,6 +131,14 @@ std::vector<Options::Case> Options::cases() {
          "render scene.yaml -o a.pfm --set image.width=20 --set objects.left.radius=0.25",
          sized("20x48"), "render scene.yaml --set image.width",
          render + "--set: must be PATH=VALUE, such as render.depth=3 (got 'image.width')" + see},
+        {"render", "--limit-pixels", "render scene.yaml -o a.pfm --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("render scene.yaml -o a.pfm --limit-pixels 3071").exitCode, 7);
+         },
+         "render scene.yaml --limit-pixels 0",
+         "rt render: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt render --help\n"},
         {"render", "--allow-missing", "render missing.yaml -o a.pfm --allow-missing",
          [](const Outcome& o) {
              EXPECT_EQ(o.out, "a.pfm\n");
@@ -187,6 +195,14 @@ std::vector<Options::Case> Options::cases() {
         {"check", "--set", "check scene.yaml --set render.depth=2",
          prints("scene.yaml: no errors\n"), "check scene.yaml --set",
          "rt check: error: --set needs a value; see rt check --help\n"},
+        {"check", "--limit-pixels", "check scene.yaml --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("check scene.yaml --limit-pixels 3071").exitCode, 7);
+         },
+         "check scene.yaml --limit-pixels 0",
+         "rt check: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt check --help\n"},
         {"check", "--allow-missing", "check missing.yaml --allow-missing",
          [](const Outcome& o) { EXPECT_EQ(o.out, "missing.yaml: no errors\n"); },
          "check missing.yaml --allow-missing=1", noValue("check", "--allow-missing")},
@@ -219,6 +235,14 @@ std::vector<Options::Case> Options::cases() {
          "info scene.yaml --set a",
          "rt info: error: --set: must be PATH=VALUE, such as render.depth=3 (got 'a'); see rt info "
          "--help\n"},
+        {"info", "--limit-pixels", "info scene.yaml --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("info scene.yaml --limit-pixels 3071").exitCode, 7);
+         },
+         "info scene.yaml --limit-pixels 0",
+         "rt info: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt info --help\n"},
         {"info", "--allow-missing", "info missing.yaml --json --allow-missing",
          [](const Outcome& o) { EXPECT_EQ(Json::parse(o.out)["primitives"]["triangles"], 0); },
          "info missing.yaml --allow-missing=x", noValue("info", "--allow-missing")},
