@@ -2,7 +2,6 @@
 #pragma once
 #include <converters/inf.hpp>
 #include <core/cli/values.hpp>
-#include <core/scene/validate.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_writer.hpp>
 
@@ -24,7 +23,6 @@ struct CommonOptions {
 struct SceneOptions {
     std::vector<std::string> overrides; // `path=value`
     std::vector<std::filesystem::path> pluginDirs;
-    std::uint64_t limitPixels = scene::Limits{}.pixels;
     bool allowMissing = false;
 };
 
@@ -83,15 +81,8 @@ struct CompareOptions {
 
 struct PluginsOptions {
     std::string name;
-    std::string check; // a module's file, or empty
     std::vector<std::filesystem::path> pluginDirs;
     bool json = false;
-};
-
-struct NewOptions {
-    std::string kind; // "shape", "texture" or "loader"
-    std::string name;
-    std::string folder; // empty: ./name
 };
 
 struct ExplainOptions {
@@ -113,8 +104,7 @@ struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
-                 VersionOptions>
+                 CompareOptions, PluginsOptions, ExplainOptions, CompletionOptions, VersionOptions>
         options;
 };
 

@@ -7,8 +7,6 @@
 
 namespace rt::octree::baseline {
 namespace {
-#include "filter.inl"
-
 #include "lanes_baseline.inl"
 
 #include "kernel.inl"

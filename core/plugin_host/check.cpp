@@ -43,8 +43,7 @@ private:
 };
 
 bool isSentence(const char* text) {
-    return text != nullptr && *text != '\0' && text[std::strlen(text) - 1] == '.' &&
-           !(*text >= 'a' && *text <= 'z');
+    return text != nullptr && *text > ' ' && text[std::strlen(text) - 1] == '.';
 }
 
 std::string show(const Vec3& v) {
@@ -74,15 +73,13 @@ void checkRows(std::span<const rt_param> rows, Faults& faults) {
     for (const rt_param& row : rows) {
         const std::string name = std::string("the parameter '") + row.name + "'";
         if (!isSentence(row.doc))
-            faults.add("the doc of " + name +
-                       " is not a sentence: a capital at its start, a point at its end");
+            faults.add("the doc of " + name + " is not a sentence with a point at its end");
     }
 }
 
 void checkModuleText(const rt_module& module, Faults& faults) {
     if (!isSentence(module.doc))
-        faults.add(
-            "the module's doc is not a sentence: a capital at its start, a point at its end");
+        faults.add("the module's doc is not a sentence with a point at its end");
     if (*module.version == '\0') faults.add("the module has no version");
     const std::string_view example = module.example;
     if (example.find(std::string(module.name) + ":") == std::string_view::npos &&

@@ -102,7 +102,7 @@ std::string whyUnusable(const rt_module& module, std::string_view stem) {
         return whyRowsAreWrong(texture->params, texture->param_count, false);
     }
     const rt_loader* loader = module.loader;
-    if (!RT_HAS(loader, rt_loader, load) || !hasRows(loader->param_count, loader->params) ||
+    if (!RT_HAS(loader, rt_loader, repair) || !hasRows(loader->param_count, loader->params) ||
         loader->load == nullptr || loader->extensions == nullptr)
         return incomplete;
     return whyRowsAreWrong(loader->params, loader->param_count, false);

@@ -90,14 +90,12 @@ TEST(Check, FindsWhatIsWrongWithATexture) {
     Catalog catalog({kModules / "bad_texture"});
     EXPECT_THAT(
         checkModule(catalog, "bad_texture", {}, 5000).faults,
-        ElementsAre(
-            "the module's doc is not a sentence: a capital at its start, a point at its end.",
-            "the module has no version.", "the module's example does not use it.",
-            "the doc of the parameter 'text' is not a sentence: a capital at its start, a point at "
-            "its end.",
-            "the texture is not finite everywhere.", "the texture is negative somewhere.",
-            "the texture's colors depend on how many points are asked for at once.",
-            "two threads get different colors."));
+        ElementsAre("the module's doc is not a sentence with a point at its end.",
+                    "the module has no version.", "the module's example does not use it.",
+                    "the doc of the parameter 'text' is not a sentence with a point at its end.",
+                    "the texture is not finite everywhere.", "the texture is negative somewhere.",
+                    "the texture's colors depend on how many points are asked for at once.",
+                    "two threads get different colors."));
 }
 
 TEST(Check, SaysWhyAModuleIsRefused) {

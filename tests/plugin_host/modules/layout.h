@@ -86,6 +86,8 @@ CHECK(offsetof(rt_shape, lower) == 16);
 CHECK(offsetof(rt_loader, params) == 8);
 CHECK(offsetof(rt_loader, extensions) == 16);
 CHECK(offsetof(rt_loader, load) == 24);
+CHECK(offsetof(rt_loader, repair) == 32);
+CHECK(offsetof(rt_text_sink, write) == 8);
 CHECK(offsetof(rt_texture_type, params) == 8);
 CHECK(offsetof(rt_texture_type, create) == 16);
 CHECK(offsetof(rt_texture_type, evaluate) == 24);
