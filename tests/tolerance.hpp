@@ -37,4 +37,14 @@ inline constexpr double kFurnace = 1e-12;
 /// Numbers of other programs: half a unit of the last printed digit, a tenth more for their own f32 sums.
 inline constexpr double kPrintedDigits = 1.1;
 
+/// The authors' FLIP rounds its white point and inverse colour matrix to 9 decimals.
+inline constexpr double kFlipReference = 1e-6;
+
+/// Distance of a hit against binary128, relative: the project's bar.
+inline constexpr double kHitDistance = 1e-12;
+/// Geometric normals against binary128, degrees: the project's bar, for triangles as thin as 1e-6.
+inline constexpr double kNormalDegrees = 1e-10;
+/// Gap between parallel surfaces that no ray may skip, relative to the coordinates: the project's bar.
+inline constexpr double kSmallestGap = 1e-9;
+
 } // namespace rt::tolerance

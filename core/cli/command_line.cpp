@@ -17,6 +17,7 @@ namespace {
 
 using Take = std::function<void(const std::string& word)>;
 
+constexpr std::uint32_t kMaxWhole = 0xFFFFFFFF;
 constexpr std::size_t kHelpWidth = 80;
 constexpr std::size_t kHelpColumn = 26; // where the text beside an option begins
 
@@ -25,6 +26,7 @@ const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"}
 const std::vector<std::string> kProgressStyles{"auto", "bar", "plain", "none"};
 const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
 const std::vector<std::string> kEncodings{"srgb", "linear"};
+const std::vector<std::string> kPluginKinds{"shape", "texture", "loader"};
 const std::vector<std::string> kShells{"bash", "zsh", "fish"};
 
 std::string choiceName(const std::vector<std::string>& choices) {
@@ -241,6 +243,7 @@ public:
         addConvert();
         addCompare();
         addPlugins();
+        addNew();
         addExplain();
         addCompletion();
         add("version", "Show the version, how it was built and what this machine runs.",
@@ -274,6 +277,10 @@ private:
                        [&options](const std::string& word) {
                            options.overrides.push_back(checkedOverride(word));
                        });
+        command.option("--limit-pixels", "N", "Refuse larger pictures; 268435456 by default.",
+                       [&options](const std::string& word) {
+                           options.limitPixels = parseWhole(word, 1, kMaxWhole);
+                       });
         command.flag("--allow-missing", "Leave out objects whose file is missing.",
                      options.allowMissing);
         addPluginDirs(command, options.pluginDirs);
@@ -293,6 +300,7 @@ private:
     void addConvert();
     void addCompare();
     void addPlugins();
+    void addNew();
     void addExplain();
     void addCompletion();
 
@@ -316,6 +324,7 @@ private:
     ConvertOptions convert_;
     CompareOptions compare_;
     PluginsOptions plugins_;
+    NewOptions new_;
     ExplainOptions explain_;
     CompletionOptions completion_;
 };
@@ -411,9 +420,10 @@ void Program::addCheck() {
 void Program::addInfo() {
     Command& c = add("info", "Tell what a scene holds, what it loads and why, and what it costs.",
                      "rt info scene.yaml         # counts, bounds, plugins, memory\n"
-                     "rt info scene.yaml --json  # for scripts\n"
-                     "rt info scene.yaml --set image.width=4000  # with another size\n");
+                     "rt info scene.yaml --full  # the scene with every default filled in\n"
+                     "rt info scene.yaml --json  # for scripts\n");
     c.argument("scene", "SCENE", "The scene, a YAML file.", info_.scene);
+    c.flag("--full", "Print the scene as YAML with every default filled in.", info_.full);
     c.flag("--json", "Print JSON.", info_.json);
     addSceneOptions(c, info_);
 }
@@ -483,8 +493,24 @@ void Program::addPlugins() {
                      "rt plugins sphere   # its parameters and an example\n"
                      "rt plugins --json   # for scripts\n");
     c.argument("name", "[NAME]", "The plugin to show.", plugins_.name, false);
+    c.option("--check", "FILE",
+             "Hold a plugin against the rules of plugin.h, with rays of its own.",
+             [this](const std::string& word) { plugins_.check = checkedOutput(word); });
     c.flag("--json", "Print JSON.", plugins_.json);
     addPluginDirs(c, plugins_.pluginDirs);
+}
+
+void Program::addNew() {
+    Command& c = add("new", "Write the project of a new plugin, which builds and renders at once.",
+                     "rt new shape torus             # ./torus: source, CMakeLists.txt, scene\n"
+                     "rt new texture wood            # likewise\n"
+                     "rt new loader stl --folder s   # in another folder\n");
+    NewOptions& o = new_;
+    c.argument("kind", "KIND", "shape, texture or loader.", o.kind);
+    c.argument("name", "NAME", "The type's name in scenes: a-z, 0-9 and _.", o.name);
+    c.option("--folder", "DIR",
+             "Write into this folder, which must be new or empty; ./NAME by default.",
+             [&o](const std::string& word) { o.folder = checkedOutput(word); });
 }
 
 void Program::addExplain() {
@@ -590,6 +616,10 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     if (line.command == "convert") line.options = convert_;
     if (line.command == "compare") line.options = compare_;
     if (line.command == "plugins") line.options = plugins_;
+    if (line.command == "new") {
+        parseChoice(new_.kind, kPluginKinds);
+        line.options = new_;
+    }
     if (line.command == "explain") line.options = explain_;
     if (line.command == "completion") {
         parseChoice(completion_.shell, kShells);

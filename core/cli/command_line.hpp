@@ -2,6 +2,7 @@
 #pragma once
 #include <converters/inf.hpp>
 #include <core/cli/values.hpp>
+#include <core/scene/validate.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_writer.hpp>
 
@@ -23,6 +24,7 @@ struct CommonOptions {
 struct SceneOptions {
     std::vector<std::string> overrides; // `path=value`
     std::vector<std::filesystem::path> pluginDirs;
+    std::uint64_t limitPixels = scene::Limits{}.pixels;
     bool allowMissing = false;
 };
 
@@ -81,8 +83,15 @@ struct CompareOptions {
 
 struct PluginsOptions {
     std::string name;
+    std::string check; // a module's file, or empty
     std::vector<std::filesystem::path> pluginDirs;
     bool json = false;
+};
+
+struct NewOptions {
+    std::string kind; // "shape", "texture" or "loader"
+    std::string name;
+    std::string folder; // empty: ./name
 };
 
 struct ExplainOptions {
@@ -104,7 +113,8 @@ struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 CompareOptions, PluginsOptions, ExplainOptions, CompletionOptions, VersionOptions>
+                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
+                 VersionOptions>
         options;
 };
 

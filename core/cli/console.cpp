@@ -61,10 +61,6 @@ void Console::detail(const std::string& line) const {
     if (verbose() && !options_.jsonErrors) sayOnStderr(line + "\n");
 }
 
-void Console::remark(const std::string& line) const {
-    if (!quiet() && !options_.jsonErrors) sayOnStderr(line + "\n");
-}
-
 void Console::table(const std::string& text) const {
     if (!quiet()) sayOnStderr(text);
 }
@@ -78,16 +74,12 @@ void Console::report(const scene::Diagnostic& diagnostic) const {
     sayOnStderr(scene::formatJson(diagnostic) + "\n");
 }
 
-void Console::report(const scene::Diagnostics& diagnostics) {
-    if (reportedOf_ != &diagnostics) reportedOf_ = &diagnostics, reported_ = 0, toldOfMore_ = false;
-    for (; reported_ < diagnostics.all().size(); ++reported_) report(diagnostics.all()[reported_]);
-    if (diagnostics.errorCount() > scene::Diagnostics::kMaxErrors && !options_.jsonErrors &&
-        !toldOfMore_) {
-        toldOfMore_ = true;
+void Console::report(const scene::Diagnostics& diagnostics) const {
+    for (const scene::Diagnostic& diagnostic : diagnostics.all()) report(diagnostic);
+    if (diagnostics.errorCount() > scene::Diagnostics::kMaxErrors && !options_.jsonErrors)
         sayOnStderr("and " +
                     std::to_string(diagnostics.errorCount() - scene::Diagnostics::kMaxErrors) +
                     " more errors\n");
-    }
 }
 
 void Console::fail(const std::string& command, int exitCode, const std::string& sentence,

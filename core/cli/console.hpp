@@ -25,12 +25,10 @@ public:
     void result(std::span<const std::byte> bytes) const;
     /// What is done, one line; only with -v.
     void detail(const std::string& line) const;
-    /// What a user at a terminal wants to know, one line; not with -q.
-    void remark(const std::string& line) const;
     /// What the user asked to see beside the result, such as --stats; not with -q.
     void table(const std::string& text) const;
-    /// Errors always; warnings and notes unless -q. Prints each diagnostic once, however often it is called.
-    void report(const scene::Diagnostics& diagnostics);
+    /// Errors always; warnings and notes unless -q.
+    void report(const scene::Diagnostics& diagnostics) const;
     void report(const scene::Diagnostic& diagnostic) const;
     /// `rt render: error: sentence; hint`, for what belongs to no file.
     void fail(const std::string& command, int exitCode, const std::string& sentence,
@@ -43,9 +41,6 @@ public:
 private:
     CommonOptions options_;
     bool colour_;
-    bool toldOfMore_ = false;
-    std::size_t reported_ = 0; // of the diagnostics reported last
-    const scene::Diagnostics* reportedOf_ = nullptr;
 };
 
 /// Is this file descriptor a terminal that may get control sequences?

@@ -6,6 +6,8 @@
 #include <core/octree/octree.hpp>
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
+#include <core/scene/full.hpp>
+#include <formats/yaml_writer.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -219,6 +221,11 @@ int info(const InfoOptions& options, Console& console) {
     plugin_host::Catalog catalog(plugin_host::searchPath(options.pluginDirs));
     const auto loaded = loadScene(options.scene, options, catalog, diagnostics);
     if (!loaded) return console.report(diagnostics), diagnostics.exitCode();
+    if (options.full) {
+        console.report(diagnostics);
+        console.result(formats::writeYaml(scene::fullScene(loaded->description)));
+        return kExitOk;
+    }
     const auto world = plugin_host::lower(loaded->description, catalog, diagnostics,
                                           {.allowMissing = options.allowMissing});
     console.report(diagnostics);

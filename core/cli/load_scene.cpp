@@ -14,7 +14,8 @@ std::optional<LoadedScene> loadScene(const std::string& path, const SceneOptions
     for (const auto* list : {&options.overrides, &alsoSet})
         for (const std::string& word : *list) scene::applyOverride(*root, word, diagnostics);
     if (diagnostics.failed()) return {};
-    std::optional<scene::Description> description = scene::validate(*root, catalog, diagnostics);
+    std::optional<scene::Description> description =
+        scene::validate(*root, catalog, diagnostics, {.pixels = options.limitPixels});
     if (!description) return {};
     return LoadedScene{std::move(*root), std::move(*description)};
 }

@@ -1,4 +1,5 @@
 // rt plugins: what is installed, what each offers, and what is broken and why.
+#include <core/cli/check_plugin.hpp>
 #include <core/cli/commands.hpp>
 #include <core/cli/exit_codes.hpp>
 #include <core/plugin_host/catalog.hpp>
@@ -206,6 +207,7 @@ int showOne(const std::string& name, plugin_host::Catalog& catalog, const Plugin
 } // namespace
 
 int plugins(const PluginsOptions& options, Console& console) {
+    if (!options.check.empty()) return checkPlugin(options, console);
     plugin_host::Catalog catalog(plugin_host::searchPath(options.pluginDirs));
     if (!options.name.empty()) return showOne(options.name, catalog, options, console);
     const auto modules = catalog.openAll();

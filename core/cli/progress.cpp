@@ -78,6 +78,7 @@ void Progress::show(double share) {
         next_ = now + std::chrono::duration_cast<Clock::duration>(
                           std::chrono::duration<double>(kPlainSeconds));
         shown_ = true;
+        saidShare_ = share_;
         say(line(share_, seconds) + "\n");
         return;
     }
@@ -88,11 +89,10 @@ void Progress::show(double share) {
     say("\r" + line(share_, seconds) + "\033[K");
 }
 
-void Progress::finish() {
-    if (style_ == ProgressStyle::bar && shown_) {
-        const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-        say("\r" + line(share_, seconds) + "\033[K\n");
-    }
+void Progress::finish(double share) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    if (style_ == ProgressStyle::bar && shown_) say("\r" + line(share, seconds) + "\033[K\n");
+    if (style_ == ProgressStyle::plain && saidShare_ != share) say(line(share, seconds) + "\n");
     style_ = ProgressStyle::none;
 }
 

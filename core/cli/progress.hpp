@@ -11,14 +11,14 @@ class Progress {
 public:
     /// `automatic` is a bar if stderr is a terminal and neither TERM=dumb nor CI say otherwise, else nothing.
     Progress(ProgressStyle style, std::string title);
-    ~Progress() { finish(); }
+    ~Progress() { finish(share_); }
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
     /// `share` of the work in [0, 1]; from one thread at a time.
     void show(double share);
-    /// Ends the bar's line; further calls do nothing.
-    void finish();
+    /// Says what share is done in the end and ends the bar's line; further calls do nothing.
+    void finish(double share);
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -28,7 +28,7 @@ private:
     std::string title_;
     Clock::time_point start_ = Clock::now(), next_ = start_;
     int nextTenth_ = 1;
-    double share_ = 0;
+    double share_ = 0, saidShare_ = -1;
     bool shown_ = false;
 };
 

@@ -157,6 +157,7 @@ int render(const RenderOptions& options, Console& console) {
                                           {.allowMissing = options.allowMissing});
     if (!world) return finish();
     console.report(diagnostics);
+    diagnostics = {};
     for (const plugin_host::ModuleInfo& module : catalog.opened())
         console.detail("plugin " + module.name + ": " + module.path.string());
 
@@ -189,7 +190,7 @@ int render(const RenderOptions& options, Console& console) {
     traceOptions.progress = [&](double done) { progress.show(share = done); };
     traceOptions.count = options.statistics;
     trace::Result result = trace::render(tree, *world, description, traceOptions);
-    progress.finish();
+    progress.finish(result.complete ? 1 : share);
     if (options.crop) result.frame = cut(result.frame, *options.crop);
     if (!result.complete)
         return finishInterrupted(result.frame, share, outputs, options, description.image, console);

@@ -12,6 +12,14 @@ inline constexpr double kUnitRoundoff = std::numeric_limits<double>::epsilon() /
 inline constexpr float kUnitRoundoffF32 = std::numeric_limits<float>::epsilon() / 2; // 2^-24
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Exact for exponents from -1074 to 1023.
+constexpr double powerOfTwo(int exponent) {
+    double x = 1;
+    for (; exponent > 0; --exponent) x *= 2;
+    for (; exponent < 0; ++exponent) x /= 2;
+    return x;
+}
+
 /// Bound on the relative error of n rounded operations in a row: n·u / (1 − n·u) [Higham 2002,
 /// lemma 3.1].
 constexpr double gamma(int n) { return n * kUnitRoundoff / (1 - n * kUnitRoundoff); }

@@ -2,7 +2,7 @@
 
 #include <core/parallel/parallel.hpp>
 
-#include <emmintrin.h>
+#include <immintrin.h>
 
 #include <algorithm>
 #include <atomic>
@@ -86,21 +86,31 @@ template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, co
 
 } // namespace
 
-float leafCost(const Reference* references, std::uint32_t begin, std::uint32_t end) {
-    // A block is a node visit's worth of work, a custom shape several.
-    constexpr float kBlock = 1, kCustom = 4;
-    std::uint32_t count[4] = {};
-    for (std::uint32_t i = begin; i < end; ++i) ++count[references[i].kind];
-    float cost = kCustom * static_cast<float>(count[3]);
-    for (int kind = 0; kind < 3; ++kind)
-        cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
-    return cost;
+std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
+    const auto& segments = primitives.segments;
+    const auto& segment =
+        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
+    return segment.index + id - static_cast<std::uint32_t>(segment.first);
+}
+
+bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
+                 const Reference* last) {
+    if (last - first > kSharedLanes) return false;
+    for (const Reference* r = first; r != last; ++r)
+        if (r->kind != static_cast<std::uint32_t>(geometry::Kind::triangle)) return false;
+    if (last - first <= kSharedLanes / 3) return true;
+    CornerSet corners;
+    for (const Reference* r = first; r != last; ++r)
+        for (const std::uint32_t c : primitives.triangles.indices[indexInKind(primitives, r->id)])
+            if (corners.add(c) < 0) return false;
+    return true;
 }
 
 class Cells::Builder {
 public:
-    Builder(Cells& cells, std::uint32_t count, double scale, const BuildOptions& options)
-        : cells_(cells), references_(cells.references_.get()),
+    Builder(Cells& cells, const geometry::Primitives& primitives, std::uint32_t count, double scale,
+            const BuildOptions& options)
+        : cells_(cells), primitives_(primitives), references_(cells.references_.get()),
           leastCut_(std::min(kLeastCut, std::max(1u, options.maxObjects))),
           maxObjects_(std::max(1u, options.maxObjects)),
           minSize_(static_cast<float>(options.minSize * scale)) {
@@ -158,7 +168,8 @@ private:
         _mm_store_ps(upper, range.centers.upper);
         for (int a = 0; a < 3; ++a) {
             // Just under kBins, so that the last centre falls into the last bin.
-            const float s = kBins * (1 - 0x1p-20f) / (upper[a] - lower[a]);
+            const float s =
+                kBins * (1 - static_cast<float>(numeric::powerOfTwo(-20))) / (upper[a] - lower[a]);
             scale[a] = upper[a] > lower[a] && s < kInfinityF32 ? s : 0;
         }
         Bins bins;
@@ -374,31 +385,53 @@ private:
         return index;
     }
 
-    /// Cuts the range once. Axes on which nothing can be told apart count as cut; a new level starts
-    /// when none is left. No cut when all centres coincide.
+    /// Cuts the range once: on an axis that this level has left, or, where all centres agree on those,
+    /// on one of the next level. No cut when all centres coincide.
     Cut separate(Range range, Reference* from, Reference*& sorted, int depth, Range& below,
                  Range& above) {
-        // This level, the next, and the next again at the median.
-        constexpr int kByMedian = 2;
-        for (int attempt = 0; attempt <= kByMedian; ++attempt, range.open = 7) {
-            while (range.open) {
-                const bool tryHarder = depth >= kBalancedDepth || attempt == kByMedian;
-                const Cut cut = tryHarder ? medianCut(range, from) : cheapestCut(range, from);
-                if (!cut) break;
-                below = above = Range();
-                if (range.size() > kChunk) {
-                    sorted = from == references_ ? other_.get() : references_;
-                    partitionAcross(from, sorted, range, cut, below, above);
-                } else {
-                    partitionInPlace(from, range, cut, below, above);
-                    sorted = from;
-                }
-                if (below.size() > 0 && above.size() > 0) return cut;
-                sorted = from; // the plane fell on the outermost centre
-                range.open = static_cast<std::uint8_t>(range.open & ~(1 << cut.axis));
-            }
+        Cut cut = chooseCut(range, from, depth);
+        if (!cut) {
+            range.open = 7;
+            cut = chooseCut(range, from, depth);
         }
-        return {};
+        if (!cut) return cut;
+        partition(range, from, cut, sorted, below, above);
+        if (below.size() == 0 ||
+            above.size() == 0) { // rounding put the plane on the outermost centre
+            range.open = static_cast<std::uint8_t>(1 << cut.axis);
+            cut = medianCut(range, from);
+            partition(range, from, cut, sorted, below, above);
+        }
+        return cut;
+    }
+
+    Cut chooseCut(const Range& range, const Reference* from, int depth) const {
+        const Cut cut = depth < kBalancedDepth ? cheapestCut(range, from) : Cut();
+        return cut ? cut : medianCut(range, from);
+    }
+
+    void partition(const Range& range, Reference* from, const Cut& cut, Reference*& sorted,
+                   Range& below, Range& above) {
+        below = above = Range();
+        if (range.size() > kChunk) {
+            sorted = from == references_ ? other_.get() : references_;
+            partitionAcross(from, sorted, range, cut, below, above);
+        } else {
+            sorted = from;
+            partitionInPlace(from, range, cut, below, above);
+        }
+    }
+
+    /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.
+    float leafCost(std::uint32_t begin, std::uint32_t end) const {
+        constexpr float kBlock = 1, kCustom = 4;
+        if (sharesBlock(primitives_, references_ + begin, references_ + end)) return kBlock;
+        std::uint32_t count[4] = {};
+        for (std::uint32_t i = begin; i < end; ++i) ++count[references_[i].kind];
+        float cost = kCustom * static_cast<float>(count[3]);
+        for (int kind = 0; kind < 3; ++kind)
+            cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
+        return cost;
     }
 
     /// Cheapest way to put the cell's subtree into n slots of a node, for every n [Ylitie, Karras,
@@ -407,8 +440,7 @@ private:
         constexpr float kNode = 1;
         const std::uint32_t size = cell.end - cell.begin;
         const bool leafAllowed = size <= maxObjects_ || !cell.isCut();
-        const float leaf =
-            leafAllowed ? area * leafCost(references_, cell.begin, cell.end) : kInfinityF32;
+        const float leaf = leafAllowed ? area * leafCost(cell.begin, cell.end) : kInfinityF32;
         if (!cell.isCut()) {
             for (int n = 0; n < kNodeChildren; ++n) {
                 cell.cost[n] = leaf;
@@ -442,6 +474,7 @@ private:
     }
 
     Cells& cells_;
+    const geometry::Primitives& primitives_;
     Reference* const references_;
     std::unique_ptr<Reference[]> other_;
     const std::uint32_t leastCut_, maxObjects_;
@@ -449,8 +482,8 @@ private:
     std::atomic<std::uint32_t> cellCount_{0};
 };
 
-Cells::Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, double scale,
-             const BuildOptions& options)
+Cells::Cells(const geometry::Primitives& primitives, std::unique_ptr<Reference[]> references,
+             std::uint32_t count, double scale, const BuildOptions& options)
     : references_(std::move(references)) {
     if (count == 0) return;
     // At most 2n − 1 cells, and what tasks take too many: there are fewer than n / kTaskSize of them.
@@ -459,7 +492,7 @@ Cells::Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, doubl
         2 * static_cast<std::size_t>(count) + kHandful * (count / kTaskSize + 1);
     cells_ = static_cast<Cell*>(std::malloc(capacity * sizeof(Cell)));
     if (!cells_) throw std::bad_alloc();
-    Builder builder(*this, count, scale, options);
+    Builder builder(*this, primitives, count, scale, options);
     root_ = builder.root(count);
 }
 

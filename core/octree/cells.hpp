@@ -41,14 +41,37 @@ struct Cell {
     bool isCut() const { return below != kNoCell; }
 };
 
-/// Cost of a cell as a leaf, in units of one node visit, per unit of area.
-float leafCost(const Reference* references, std::uint32_t begin, std::uint32_t end);
+/// Index of a primitive in the array of its kind.
+std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id);
+
+/// Up to 16 different corners.
+class CornerSet {
+public:
+    /// Its place; -1 when it is new and there is none left.
+    int add(std::uint32_t corner) {
+        for (int i = 0; i < size_; ++i)
+            if (corners_[i] == corner) return i;
+        if (size_ == kSharedLanes) return -1;
+        corners_[size_] = corner;
+        return size_++;
+    }
+    int size() const { return size_; }
+    std::uint32_t at(int i) const { return corners_[i]; }
+
+private:
+    std::uint32_t corners_[kSharedLanes];
+    int size_ = 0;
+};
+
+/// Do these fit one shared block: triangles only, with few enough corners?
+bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
+                 const Reference* last);
 
 class Cells {
 public:
     /// Sorts `references` into cells. `scale`: octree units per world unit.
-    Cells(std::unique_ptr<Reference[]> references, std::uint32_t count, double scale,
-          const BuildOptions& options);
+    Cells(const geometry::Primitives& primitives, std::unique_ptr<Reference[]> references,
+          std::uint32_t count, double scale, const BuildOptions& options);
     ~Cells();
     Cells(const Cells&) = delete;
     Cells& operator=(const Cells&) = delete;

@@ -20,11 +20,12 @@ constexpr double kUnused = std::numeric_limits<double>::quiet_NaN();
 
 /// How many of each array something takes, or where it starts in each.
 struct Extent {
-    std::uint32_t nodes = 0, triangles = 0, spheres = 0, parallelograms = 0, records = 0, runs = 0,
-                  customs = 0;
+    std::uint32_t nodes = 0, shared = 0, triangles = 0, spheres = 0, parallelograms = 0,
+                  records = 0, runs = 0, customs = 0;
 
     Extent& operator+=(const Extent& o) {
         nodes += o.nodes;
+        shared += o.shared;
         triangles += o.triangles;
         spheres += o.spheres;
         parallelograms += o.parallelograms;
@@ -104,6 +105,7 @@ public:
             at += own;
         }
         tree_.nodes = Array<Node>(at.nodes);
+        tree_.shared = Array<SharedBlock>(at.shared);
         tree_.triangles = Array<TriangleBlock>(at.triangles);
         tree_.spheres = Array<SphereBlock>(at.spheres);
         tree_.parallelograms = Array<ParallelogramBlock>(at.parallelograms);
@@ -153,6 +155,11 @@ private:
     Extent measureLeaf(std::uint32_t cell, LeafContents& contents) const {
         const Reference* const first = cells_.references() + cells_[cell].begin;
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
+        if (sharesBlock(primitives_, first, first + count)) {
+            Extent e;
+            e.shared = 1;
+            return e;
+        }
         if (count <= kLanes && sameKind(first, count)) {
             Extent e;
             (first->kind == 0 ? e.triangles : first->kind == 1 ? e.spheres : e.parallelograms) = 1;
@@ -283,6 +290,10 @@ private:
     std::uint32_t emitLeaf(std::uint32_t cell, Extent& at, LeafContents& contents) {
         const Reference* const first = cells_.references() + cells_[cell].begin;
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
+        if (sharesBlock(primitives_, first, first + count)) {
+            fillShared(tree_.shared[at.shared], first, count);
+            return leafReference(kSharedLeaf, at.shared++);
+        }
         if (count <= kLanes && sameKind(first, count)) {
             std::uint32_t ids[kLanes];
             for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
@@ -337,11 +348,28 @@ private:
                  static_cast<std::uint32_t>(std::min<std::size_t>(kLanes, ids.size() - i)));
     }
 
-    /// Index into the array of its kind.
-    std::uint32_t indexOf(std::uint32_t id) const {
-        if (primitives_.segments.size() == 1) return primitives_.segments[0].index + id;
-        const auto& segment = primitives_.segmentOf(PrimitiveId{id});
-        return segment.index + id - static_cast<std::uint32_t>(segment.first);
+    std::uint32_t indexOf(std::uint32_t id) const { return indexInKind(primitives_, id); }
+
+    void fillShared(SharedBlock& block, const Reference* first, std::uint32_t count) const {
+        std::uint32_t ids[kSharedLanes];
+        for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
+        std::sort(ids, ids + count);
+        CornerSet corners;
+        block.valid = (1u << count) - 1;
+        for (auto& word : block.spare) word = 0;
+        for (std::uint32_t lane = 0; lane < kSharedLanes; ++lane) {
+            block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+            for (std::size_t c = 0; c < 3; ++c)
+                block.index[c][lane] =
+                    lane < count ? static_cast<std::uint8_t>(corners.add(
+                                       primitives_.triangles.indices[indexOf(ids[lane])][c]))
+                                 : std::uint8_t{0};
+        }
+        for (int i = 0; i < kSharedLanes; ++i) {
+            // Unused corners repeat the first: lanes must not meet NaN where none is needed.
+            const Vec3& p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
+            for (int a = 0; a < 3; ++a) block.corner[a][i] = p[a];
+        }
     }
 
     void fillTriangles(TriangleBlock& block, const std::uint32_t* ids, std::uint32_t count) const {

@@ -38,6 +38,7 @@ private:
 
 struct Tree {
     Array<Node> nodes;
+    Array<SharedBlock> shared;
     Array<TriangleBlock> triangles;
     Array<SphereBlock> spheres;
     Array<ParallelogramBlock> parallelograms;

@@ -22,9 +22,9 @@ struct Kernel {
     bool (*occluded)(const TreeView&, const geometry::Ray&, Visits*);
     bool (*crossings)(const TreeView&, const geometry::Ray&, const CrossingSink&, Visits*);
     /// closest without the tree: every block of every leaf.
-    void (*scan)(const TreeView&, std::uint32_t triangleBlocks, std::uint32_t sphereBlocks,
-                 std::uint32_t parallelogramBlocks, std::uint32_t runs, const geometry::Ray&,
-                 geometry::Hit*);
+    void (*scan)(const TreeView&, std::uint32_t sharedBlocks, std::uint32_t triangleBlocks,
+                 std::uint32_t sphereBlocks, std::uint32_t parallelogramBlocks, std::uint32_t runs,
+                 const geometry::Ray&, geometry::Hit*);
 };
 
 namespace avx512 {

@@ -20,19 +20,26 @@ struct alignas(64) LaneArray {
 /// leaving plane no earlier than the exact one, and leaves 1u/|d|, 10^8 f64 roundings, for what the
 /// f64 part and the leaf tests round. Origins farther than kNear are first moved along the ray to the
 /// cube [−1, 1]³; what that rounds grows with the distance and is added to s.
-struct BoxRay {
-    float inverse[3], enter[3], leave[3];
-    unsigned mirror;    // bit per axis: direction is negative
+struct alignas(16) BoxRay {
+    float inverse[4], enter[4], leave[4]; // [3]: unused
+    unsigned mirror;                      // bit per axis: direction is negative
     double perT, shift; // octree-space parameter of the moved origin = t · perT − shift
     bool misses;        // the whole cube
 };
 
-constexpr double kNear = 8;            // half sides of the cube
-constexpr double kSlack = 4 * 0x1p-24; // 4u of f32, derived above
-constexpr double kFarSlack = 0x1p-46;  // 128 u of f64: moving the origin, and the leaf tests
-constexpr double kTooFar = 0x1p100;    // beyond, f32 would overflow: boxes are not tested
-constexpr double kSmallestDirection = 0x1p-60; // of a largest component in [1, 2): moves a ray by
-                                               // less than 2^-56 within the cube
+constexpr double kNear = 8;                             // half sides of the cube
+constexpr double kSlack = 4 * numeric::powerOfTwo(-24); // 4u of f32, derived above
+constexpr double kFarSlack =
+    numeric::powerOfTwo(-46);       // 128 u of f64: moving the origin, and the leaf tests
+constexpr double kTooFar = 0x1p100; // beyond, f32 would overflow: boxes are not tested
+constexpr double kSmallestDirection =
+    numeric::powerOfTwo(-60); // of a largest component in [1, 2): moves a ray by
+                              // less than 2^-56 within the cube
+
+constexpr double kLeastPower = numeric::powerOfTwo(-1023), kLeastScale = numeric::powerOfTwo(-900);
+constexpr double kLimitSlack = numeric::powerOfTwo(-50);                       // 8 u of f64
+constexpr float kLimitSlackF32 = static_cast<float>(numeric::powerOfTwo(-22)); // 4 u of f32
+constexpr float kLeastLimit = static_cast<float>(numeric::powerOfTwo(-120));
 
 inline double absolute(double x) { return __builtin_fabs(x); }
 
@@ -48,51 +55,67 @@ inline double fromBits(std::uint64_t b) {
     return x;
 }
 
-inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray) {
+/// Directions of `ray` brought to a largest component in [1, 2), and what that takes.
+struct Normalized {
+    Quad direction;
+    double factor, inverse; // powers of two
+    bool isFinite;
+};
+
+inline Normalized normalized(const Ray& ray) {
+    const double* const d = &ray.direction.x;
+    double largest = absolute(d[0]);
+    largest = absolute(d[1]) > largest ? absolute(d[1]) : largest;
+    largest = absolute(d[2]) > largest ? absolute(d[2]) : largest;
+    std::uint64_t exponent = bitsOf(largest) >> 52; // 2^(exponent - 1023) <= largest
+    exponent = exponent < 2046 ? exponent : 2045;
+    const double factor = fromBits((2046 - exponent) << 52);
+    return {withFourth(loadQuad(d), 1) * allQuad(factor), factor,
+            exponent ? fromBits(exponent << 52) : kLeastPower,
+            absolute(d[0]) < __builtin_inf() && absolute(d[1]) < __builtin_inf() &&
+                absolute(d[2]) < __builtin_inf()};
+}
+
+/// `inverses`: of the normalized direction, exact where it is not tiny.
+inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n,
+                       double inverses[4]) {
     BoxRay b;
-    const double* const direction = &ray.direction.x;
-    const double* const origin = &ray.origin.x;
-    double o[3], d[3], inverse[3];
-    double largest = absolute(direction[0]);
-    if (absolute(direction[1]) > largest) largest = absolute(direction[1]);
-    if (absolute(direction[2]) > largest) largest = absolute(direction[2]);
-    // 2^-e for largest in [2^e, 2^(e+1)), from the bits of the exponent.
-    const std::uint64_t exponent = bitsOf(largest) >> 52;
-    const double normalize = fromBits((2046 - (exponent < 2046 ? exponent : 2045)) << 52);
-    const double power = 1 / normalize;
-    b.perT = tree.scale * power;
-    if (!(b.perT > 0x1p-900)) b.perT = __builtin_inf(); // underflow: t prunes nothing
+    b.perT = tree.scale * n.inverse;
+    if (!(b.perT > kLeastScale)) b.perT = __builtin_inf(); // underflow: t prunes nothing
     b.shift = 0;
-    b.misses = false;
-    double distance = 0;
-    b.mirror = 0;
-    for (int i = 0; i < 3; ++i) {
-        o[i] = (origin[i] - tree.center[i]) * tree.scale;
-        d[i] = direction[i] * normalize;
-        const bool negative = bitsOf(d[i]) >> 63;
-        b.mirror |= static_cast<unsigned>(negative) << i;
-        if (!(absolute(d[i]) >= kSmallestDirection))
-            d[i] = negative ? -kSmallestDirection : kSmallestDirection;
-        inverse[i] = 1 / d[i];
-        if (!(absolute(o[i]) <= distance)) distance = absolute(o[i]);
-    }
+    b.misses = !n.isFinite;
+    b.mirror = signsOf(n.direction);
+    const Quad d =
+        withSignOf(larger(magnitude(n.direction), allQuad(kSmallestDirection)), n.direction);
+    const Quad inverse = allQuad(1.0) / d;
+    Quad o = withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
+    store(inverses, inverse);
+    alignas(32) double at[4];
+    store(at, o);
     double extra = 0;
-    if (!(distance <= kNear)) {
+    if (!(absolute(at[0]) <= kNear && absolute(at[1]) <= kNear && absolute(at[2]) <= kNear)) {
+        double distance = 0;
+        for (int i = 0; i < 3; ++i)
+            if (!(absolute(at[i]) <= distance)) distance = absolute(at[i]);
         if (!(distance <= kTooFar)) { // or NaN
-            for (int i = 0; i < 3; ++i) {
+            for (int i = 0; i < 3;
+                 ++i) { // every box is met; the planes of empty slots stay infinite
                 b.inverse[i] = 1;
-                b.enter[i] = __builtin_inff();
-                b.leave[i] = -__builtin_inff();
+                b.enter[i] = 0x1p127f;
+                b.leave[i] = -0x1p127f;
             }
+            b.mirror = 0;
             b.perT = __builtin_inf();
             return b;
         }
         extra = kFarSlack * distance;
         double in = 0, out = __builtin_inf();
+        alignas(32) double direction[4];
+        store(direction, d);
         for (int i = 0; i < 3; ++i) {
-            const double side = inverse[i] < 0 ? -(1 + extra) : 1 + extra;
-            const double near = (-side - o[i]) * inverse[i], far = (side - o[i]) * inverse[i];
-            const double margin = kFarSlack * absolute(o[i] * inverse[i]);
+            const double side = inverses[i] < 0 ? -(1 + extra) : 1 + extra;
+            const double near = (-side - at[i]) * inverses[i], far = (side - at[i]) * inverses[i];
+            const double margin = kFarSlack * absolute(at[i] * inverses[i]);
             if (near - margin > in) in = near - margin;
             if (far + margin < out) out = far + margin;
         }
@@ -100,49 +123,63 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray) {
             b.misses = true;
             return b;
         }
-        for (int i = 0; i < 3; ++i) o[i] = o[i] + in * d[i];
+        for (int i = 0; i < 3; ++i) at[i] = at[i] + in * direction[i];
+        at[3] = 0;
+        o = loadQuad(at);
         b.shift = in;
     }
-    for (int i = 0; i < 3; ++i) {
-        const double slack = (kSlack * (1 + absolute(o[i])) + extra) * absolute(inverse[i]);
-        b.inverse[i] = static_cast<float>(inverse[i]);
-        b.enter[i] = static_cast<float>(o[i] * inverse[i] + slack);
-        b.leave[i] = static_cast<float>(o[i] * inverse[i] - slack);
-    }
+    const Quad slack =
+        (allQuad(kSlack) * (allQuad(1.0) + magnitude(o)) + allQuad(extra)) * magnitude(inverse);
+    const Quad t = o * inverse;
+    storeNarrow(b.inverse, inverse);
+    storeNarrow(b.enter, t + slack);
+    storeNarrow(b.leave, t - slack);
     return b;
 }
 
 /// An f32 parameter of the boxes at or after t.
 inline float boxLimit(const BoxRay& b, double t) {
     const double scaled = t * b.perT;
-    const double moved = scaled - b.shift + (0x1p-50 * scaled);
+    const double moved = scaled - b.shift + kLimitSlack * scaled;
     if (!(moved < 0x1p120)) return __builtin_inff(); // or NaN
-    return moved > 0 ? static_cast<float>(moved) * (1 + 0x1p-22f) + 0x1p-120f : 0.0f;
+    return moved > 0 ? static_cast<float>(moved) * (1 + kLimitSlackF32) + kLeastLimit : 0.0f;
 }
 
+/// A BoxRay in registers.
 struct BoxLanes {
-    F32 inverse[3], enter[3], leave[3];
-    int near[3], far[3]; // rows of Node::planes
+    F32 inverseX, inverseY, inverseZ, enterX, enterY, enterZ, leaveX, leaveY, leaveZ;
+    std::uintptr_t nearX, nearY, nearZ; // offsets of rows of Node::planes, bytes
 };
 
-inline void broadcast(BoxLanes& lanes, const BoxRay& b) {
-    for (int i = 0; i < 3; ++i) {
-        lanes.inverse[i] = all(b.inverse[i]);
-        lanes.enter[i] = all(b.enter[i]);
-        lanes.leave[i] = all(b.leave[i]);
-        lanes.near[i] = 2 * i + static_cast<int>(b.mirror >> i & 1);
-        lanes.far[i] = lanes.near[i] ^ 1;
-    }
+constexpr std::uintptr_t kRow = kLanes * sizeof(float);
+
+inline BoxLanes lanesOf(const BoxRay& b) {
+    return {all(b.inverse[0]),
+            all(b.inverse[1]),
+            all(b.inverse[2]),
+            all(b.enter[0]),
+            all(b.enter[1]),
+            all(b.enter[2]),
+            all(b.leave[0]),
+            all(b.leave[1]),
+            all(b.leave[2]),
+            kRow * (b.mirror & 1),
+            kRow * (2 + (b.mirror >> 1 & 1)),
+            kRow * (4 + (b.mirror >> 2))};
+}
+
+inline F32 row(const Node& node, std::uintptr_t offset) {
+    return load(reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset));
 }
 
 /// The children whose boxes the ray meets in [0, limit].
 inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& enter) {
-    const F32 nx = productMinus(load(node.planes[ray.near[0]]), ray.inverse[0], ray.enter[0]);
-    const F32 ny = productMinus(load(node.planes[ray.near[1]]), ray.inverse[1], ray.enter[1]);
-    const F32 nz = productMinus(load(node.planes[ray.near[2]]), ray.inverse[2], ray.enter[2]);
-    const F32 fx = productMinus(load(node.planes[ray.far[0]]), ray.inverse[0], ray.leave[0]);
-    const F32 fy = productMinus(load(node.planes[ray.far[1]]), ray.inverse[1], ray.leave[1]);
-    const F32 fz = productMinus(load(node.planes[ray.far[2]]), ray.inverse[2], ray.leave[2]);
+    const F32 nx = productMinus(row(node, ray.nearX), ray.inverseX, ray.enterX);
+    const F32 ny = productMinus(row(node, ray.nearY), ray.inverseY, ray.enterY);
+    const F32 nz = productMinus(row(node, ray.nearZ), ray.inverseZ, ray.enterZ);
+    const F32 fx = productMinus(row(node, ray.nearX ^ kRow), ray.inverseX, ray.leaveX);
+    const F32 fy = productMinus(row(node, ray.nearY ^ kRow), ray.inverseY, ray.leaveY);
+    const F32 fz = productMinus(row(node, ray.nearZ ^ kRow), ray.inverseZ, ray.leaveZ);
     enter = larger(larger(nx, ny), larger(nz, all(0.0f)));
     return bitsLessEqual(enter, smaller(smaller(fx, fy), smaller(fz, limit)));
 }
@@ -151,27 +188,40 @@ inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& ent
 struct Frame {
     double origin[3], direction[3];
     int kx, ky, kz;
+    double ox, oy, oz; // origin[kx] and so on
     double shearX, shearY, shearZ;
     double squared, inverseSquared;
 };
 
-inline Frame frameOf(const Ray& ray) {
+inline Frame frameOf(const TreeView& tree, const Ray& ray, const Normalized& n,
+                     const double inverses[4]) {
     Frame f;
-    for (int i = 0; i < 3; ++i) {
-        f.origin[i] = (&ray.origin.x)[i];
-        f.direction[i] = (&ray.direction.x)[i];
-    }
+    f.origin[0] = ray.origin.x;
+    f.origin[1] = ray.origin.y;
+    f.origin[2] = ray.origin.z;
+    f.direction[0] = ray.direction.x;
+    f.direction[1] = ray.direction.y;
+    f.direction[2] = ray.direction.z;
     const double x = absolute(f.direction[0]), y = absolute(f.direction[1]),
                  z = absolute(f.direction[2]);
-    f.kz = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    f.kx = f.kz == 2 ? 0 : f.kz + 1;
-    f.ky = f.kx == 2 ? 0 : f.kx + 1;
-    f.shearZ = 1 / f.direction[f.kz];
+    // The same axis as geometry::frameOf, without a branch.
+    static constexpr std::uint8_t kAxis[8] = {2, 2, 2, 0, 1, 2, 1, 0};
+    static constexpr std::uint8_t kNext[3] = {1, 2, 0}, kAfter[3] = {2, 0, 1};
+    f.kz = kAxis[(x > y) | (x > z) << 1 | (y > z) << 2];
+    f.kx = kNext[f.kz];
+    f.ky = kAfter[f.kz];
+    f.ox = (&ray.origin.x)[f.kx];
+    f.oy = (&ray.origin.x)[f.ky];
+    f.oz = (&ray.origin.x)[f.kz];
+    // 1 / d, since scaling by a power of two rounds nothing (unless 1 / d is subnormal or infinite).
+    f.shearZ = inverses[f.kz] * n.factor;
     f.shearX = f.direction[f.kx] * f.shearZ;
     f.shearY = f.direction[f.ky] * f.shearZ;
-    f.squared = (f.direction[0] * f.direction[0] + f.direction[1] * f.direction[1]) +
-                f.direction[2] * f.direction[2];
-    f.inverseSquared = 1 / f.squared;
+    if (tree.hasSpheres) {
+        f.squared = (f.direction[0] * f.direction[0] + f.direction[1] * f.direction[1]) +
+                    f.direction[2] * f.direction[2];
+        f.inverseSquared = 1 / f.squared;
+    }
     return f;
 }
 
@@ -180,9 +230,9 @@ struct Sheared {
 };
 
 inline Sheared shear(const Frame& f, const double corner[3][kLanes]) {
-    const F64 z = load(corner[f.kz]) - all(f.origin[f.kz]);
-    return {(load(corner[f.kx]) - all(f.origin[f.kx])) - all(f.shearX) * z,
-            (load(corner[f.ky]) - all(f.origin[f.ky])) - all(f.shearY) * z, z};
+    const F64 z = load(corner[f.kz]) - all(f.oz);
+    return {(load(corner[f.kx]) - all(f.ox)) - all(f.shearX) * z,
+            (load(corner[f.ky]) - all(f.oy)) - all(f.shearY) * z, z};
 }
 
 struct Edges {
@@ -237,6 +287,120 @@ inline unsigned hitTriangles(const TriangleBlock& block, const Frame& f, double 
     return lanes;
 }
 
+/// The best hit so far. Starts as (tMax, 0): no hit at tMax itself has an id below 0.
+struct Best {
+    double t, u, v;
+    std::uint32_t id;
+    bool found;
+};
+
+/// Corners of a shared block as f64 memory, for the lanes that are solved one by one.
+struct alignas(64) SharedArray {
+    double x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
+};
+
+inline SharedCorners shearShared(const Frame& f, const SharedBlock& block) {
+    const F64 ox = all(f.ox), oy = all(f.oy), oz = all(f.oz);
+    const F64 sx = all(f.shearX), sy = all(f.shearY);
+    const double *const x = block.corner[f.kx], *const y = block.corner[f.ky],
+                        *const z = block.corner[f.kz];
+    SharedCorners c;
+    c.z0 = load(z) - oz;
+    c.z1 = load(z + kLanes) - oz;
+    c.x0 = (load(x) - ox) - sx * c.z0;
+    c.x1 = (load(x + kLanes) - ox) - sx * c.z1;
+    c.y0 = (load(y) - oy) - sy * c.z0;
+    c.y1 = (load(y + kLanes) - oy) - sy * c.z1;
+    return c;
+}
+
+inline void store(SharedArray& to, const SharedCorners& c) {
+    store(to.x, c.x0);
+    store(to.x + kLanes, c.x1);
+    store(to.y, c.y0);
+    store(to.y + kLanes, c.y1);
+    store(to.z, c.z0);
+    store(to.z + kLanes, c.z1);
+}
+
+struct Solved {
+    double t, u, v;
+    bool touches;
+};
+
+/// One triangle of a shared block: geometry::intersectTriangle from the sheared corners on.
+inline bool solveShared(const Frame& f, const SharedBlock& block, const SharedArray& p, int lane,
+                        double limit, Solved& s) {
+    const int a = block.index[0][lane], b = block.index[1][lane], c = block.index[2][lane];
+    const double u = p.x[c] * p.y[b] - p.y[c] * p.x[b], v = p.x[a] * p.y[c] - p.y[a] * p.x[c],
+                 w = p.x[b] * p.y[a] - p.y[b] * p.x[a];
+    if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return false;
+    const double determinant = (u + v) + w;
+    if (!(determinant != 0)) return false;
+    const double inverse = 1 / determinant;
+    s.u = v * inverse;
+    s.v = w * inverse;
+    s.t = f.shearZ * (p.z[a] + (s.u * (p.z[b] - p.z[a]) + s.v * (p.z[c] - p.z[a])));
+    s.touches = u == 0 || v == 0 || w == 0;
+    return s.t > 0 && s.t <= limit;
+}
+
+inline bool closestInShared(const SharedBlock& block, const Frame& f, double scale,
+                            std::uint32_t exclude, Best& best) {
+    const SharedCorners corners = shearShared(f, block);
+    unsigned lanes = candidates(block, corners, scale);
+    if (!lanes) return false;
+    SharedArray p;
+    store(p, corners);
+    bool better = false;
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        Solved s;
+        if (!solveShared(f, block, p, i, best.t, s)) continue;
+        const std::uint32_t id = block.id[i];
+        if (id == exclude || !(s.t < best.t || id < best.id)) continue;
+        best.t = s.t;
+        best.u = s.u;
+        best.v = s.v;
+        best.id = id;
+        better = best.found = true;
+    }
+    return better;
+}
+
+inline bool anyInShared(const SharedBlock& block, const Frame& f, double scale,
+                        std::uint32_t exclude, double limit) {
+    const SharedCorners corners = shearShared(f, block);
+    unsigned lanes = candidates(block, corners, scale);
+    if (!lanes) return false;
+    SharedArray p;
+    store(p, corners);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        Solved s;
+        if (solveShared(f, block, p, i, limit, s) && block.id[i] != exclude) return true;
+    }
+    return false;
+}
+
+inline bool crossShared(const SharedBlock& block, const Frame& f, double scale,
+                        std::uint32_t exclude, double last, const CrossingSink& sink) {
+    const SharedCorners corners = shearShared(f, block);
+    unsigned lanes = candidates(block, corners, scale);
+    if (!lanes) return true;
+    SharedArray p;
+    store(p, corners);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        Solved s;
+        if (!solveShared(f, block, p, i, last, s) || block.id[i] == exclude) continue;
+        if (!(s.touches ? sink.touch(sink.context, block.id[i])
+                        : sink.add(sink.context, s.t, block.id[i])))
+            return false;
+    }
+    return true;
+}
+
 inline unsigned hitParallelograms(const ParallelogramBlock& block, const Frame& f, double limit,
                                   std::uint32_t exclude, Solution& s, unsigned& touched) {
     const Sheared a = shear(f, block.corner[0]), b = shear(f, block.corner[1]),
@@ -285,13 +449,6 @@ inline unsigned hitSpheres(const SphereBlock& block, const Frame& f, double limi
     t = select(t0 > all(0.0), t0, t1);
     return bits(both(met, both(t > all(0.0), t <= all(limit))));
 }
-
-/// The best hit so far. Starts as (tMax, 0): no hit at tMax itself has an id below 0.
-struct Best {
-    double t, u, v;
-    std::uint32_t id;
-    bool found;
-};
 
 inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, const LaneArray& v,
                      const std::uint32_t* id, Best& best) {
@@ -396,6 +553,11 @@ inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const R
                           const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        if (kCount)
+            visits->triangles +=
+                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
+        return closestInShared(tree.shared[index], f, tree.scale, exclude, best);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
         return closestInTriangles(tree.triangles[index], f, exclude, best);
@@ -420,14 +582,16 @@ inline void answer(const Best& best, Hit* hit) {
 
 template <bool kCount>
 inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
-    const Frame f = frameOf(ray);
+    alignas(32) double inverses[4];
+    const Normalized n = normalized(ray);
+    const BoxRay box = boxRayOf(tree, ray, n, inverses);
+    const Frame f = frameOf(tree, ray, n, inverses);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, 0, false};
-    closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
-    const BoxRay box = boxRayOf(tree, ray);
+    if (tree.hasUnbounded)
+        closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
     if (!tree.nodes || box.misses) return answer(best, hit);
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const Order order = orderOf(box.mirror);
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
@@ -496,6 +660,11 @@ inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& 
     F64 t;
     unsigned touched;
     switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        if (kCount)
+            visits->triangles +=
+                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
+        return anyInShared(tree.shared[index], f, tree.scale, exclude, limit);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
         return hitTriangles(tree.triangles[index], f, limit, exclude, s, e);
@@ -519,14 +688,17 @@ inline double below(double x) {
 
 template <bool kCount>
 inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
-    const Frame f = frameOf(ray);
+    alignas(32) double inverses[4];
+    const Normalized n = normalized(ray);
+    const BoxRay box = boxRayOf(tree, ray, n, inverses);
+    const Frame f = frameOf(tree, ray, n, inverses);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
-    if (anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits)) return true;
-    const BoxRay box = boxRayOf(tree, ray);
+    if (tree.hasUnbounded &&
+        anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
+        return true;
     if (!tree.nodes || box.misses) return false;
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
     int top = 0;
@@ -628,14 +800,15 @@ inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Fram
 template <bool kCount>
 inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSink& sink,
                           Visits* visits) {
-    const Frame f = frameOf(ray);
+    alignas(32) double inverses[4];
+    const Normalized n = normalized(ray);
+    const BoxRay box = boxRayOf(tree, ray, n, inverses);
+    const Frame f = frameOf(tree, ray, n, inverses);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
-    const BoxRay box = boxRayOf(tree, ray);
     if (!tree.nodes || box.misses) return true;
-    BoxLanes lanes;
-    broadcast(lanes, box);
+    const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
     int top = 0;
@@ -654,6 +827,12 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
             }
         } else {
             switch (current >> kLeafKindShift & 7) {
+            case kSharedLeaf:
+                if (kCount)
+                    visits->triangles +=
+                        static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
+                goOn = crossShared(tree.shared[index], f, tree.scale, exclude, last, sink);
+                break;
             case kTriangleLeaf:
                 goOn =
                     crossTriangles<kCount>(tree.triangles[index], f, exclude, last, sink, visits);
@@ -692,13 +871,19 @@ bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, V
                   : crossingsImpl<false>(tree, ray, sink, nullptr);
 }
 
-void scan(const TreeView& tree, std::uint32_t triangleBlocks, std::uint32_t sphereBlocks,
-          std::uint32_t parallelogramBlocks, std::uint32_t runs, const Ray& ray, Hit* hit) {
-    const Frame f = frameOf(ray);
+void scan(const TreeView& tree, std::uint32_t sharedBlocks, std::uint32_t triangleBlocks,
+          std::uint32_t sphereBlocks, std::uint32_t parallelogramBlocks, std::uint32_t runs,
+          const Ray& ray, Hit* hit) {
+    alignas(32) double inverses[4];
+    const Normalized n = normalized(ray);
+    boxRayOf(tree, ray, n, inverses);
+    const Frame f = frameOf(tree, ray, n, inverses);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, 0, false};
+    for (std::uint32_t i = 0; i < sharedBlocks; ++i)
+        closestInShared(tree.shared[i], f, tree.scale, exclude, best);
     const LeafRecord everything{0, triangleBlocks,      0, sphereBlocks,
                                 0, parallelogramBlocks, 0, runs};
-    closestInRecord<false>(tree, everything, ray, f, static_cast<std::uint32_t>(ray.exclude), best,
-                           nullptr);
+    closestInRecord<false>(tree, everything, ray, f, exclude, best, nullptr);
     answer(best, hit);
 }

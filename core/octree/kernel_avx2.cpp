@@ -7,6 +7,8 @@
 
 namespace rt::octree::avx2 {
 namespace {
+#include "filter.inl"
+
 #include "lanes_avx2.inl"
 
 #include "kernel.inl"

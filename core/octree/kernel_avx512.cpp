@@ -7,6 +7,8 @@
 
 namespace rt::octree::avx512 {
 namespace {
+#include "filter.inl"
+
 #include "lanes_avx512.inl"
 
 #include "kernel.inl"

@@ -7,6 +7,8 @@
 
 namespace rt::octree::baseline {
 namespace {
+#include "filter.inl"
+
 #include "lanes_baseline.inl"
 
 #include "kernel.inl"

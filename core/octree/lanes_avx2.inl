@@ -64,6 +64,27 @@ inline unsigned bitsLessEqual(F32 a, F32 b) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)));
 }
 
+/// x, y, z and a fourth.
+struct Quad {
+    __m256d v;
+};
+
+inline Quad loadQuad(const double* p) { return {_mm256_loadu_pd(p)}; }
+inline Quad allQuad(double x) { return {_mm256_set1_pd(x)}; }
+inline void store(double* p, Quad a) { _mm256_store_pd(p, a.v); }
+inline Quad operator+(Quad a, Quad b) { return {_mm256_add_pd(a.v, b.v)}; }
+inline Quad operator-(Quad a, Quad b) { return {_mm256_sub_pd(a.v, b.v)}; }
+inline Quad operator*(Quad a, Quad b) { return {_mm256_mul_pd(a.v, b.v)}; }
+inline Quad operator/(Quad a, Quad b) { return {_mm256_div_pd(a.v, b.v)}; }
+inline Quad larger(Quad a, Quad b) { return {_mm256_max_pd(a.v, b.v)}; }
+inline Quad magnitude(Quad a) { return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.v)}; }
+inline Quad withSignOf(Quad magnitudes, Quad signs) {
+    return {_mm256_or_pd(magnitudes.v, _mm256_and_pd(_mm256_set1_pd(-0.0), signs.v))};
+}
+inline Quad withFourth(Quad a, double x) { return {_mm256_blend_pd(a.v, _mm256_set1_pd(x), 8)}; }
+inline unsigned signsOf(Quad a) { return static_cast<unsigned>(_mm256_movemask_pd(a.v)) & 7; }
+inline void storeNarrow(float* p, Quad a) { _mm_store_ps(p, _mm256_cvtpd_ps(a.v)); }
+
 /// Visiting order of a ray: far slots first.
 struct Order {
     __m256i slots, bit;
@@ -110,4 +131,51 @@ inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* ref
                         _mm256_permutevar8x32_epi32(child, compressing(mask)));
     top += __builtin_popcount(mask);
     return next;
+}
+
+/// 16 sheared corners in the order of SharedBlock::corner.
+struct SharedCorners {
+    F64 x0, x1, y0, y1, z0, z1;
+};
+
+inline __m256 narrowed(F64 a, double scale) {
+    const __m256d s = _mm256_set1_pd(scale);
+    return _mm256_set_m128(_mm256_cvtpd_ps(_mm256_mul_pd(a.b, s)),
+                           _mm256_cvtpd_ps(_mm256_mul_pd(a.a, s)));
+}
+
+/// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
+inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double scale) {
+    const __m256 x0 = narrowed(c.x0, scale), x1 = narrowed(c.x1, scale);
+    const __m256 y0 = narrowed(c.y0, scale), y1 = narrowed(c.y1, scale);
+    unsigned in = 0;
+    for (int half = 0; half < 2; ++half) {
+        const auto pick = [&](int corner, __m256 low, __m256 high) {
+            const __m256i i = _mm256_cvtepu8_epi32(
+                _mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.index[corner] + 8 * half)));
+            // Bit 3 of the index, moved to the sign, chooses the half.
+            return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, i),
+                                    _mm256_permutevar8x32_ps(high, i),
+                                    _mm256_castsi256_ps(_mm256_slli_epi32(i, 28)));
+        };
+        const __m256 ax = pick(0, x0, x1), ay = pick(0, y0, y1), bx = pick(1, x0, x1),
+                     by = pick(1, y0, y1), cx = pick(2, x0, x1), cy = pick(2, y0, y1);
+        const __m256 u = _mm256_fmsub_ps(cx, by, _mm256_mul_ps(cy, bx));
+        const __m256 v = _mm256_fmsub_ps(ax, cy, _mm256_mul_ps(ay, cx));
+        const __m256 w = _mm256_fmsub_ps(bx, ay, _mm256_mul_ps(by, ax));
+        const auto size = [](__m256 p, __m256 q) {
+            const __m256 sign = _mm256_set1_ps(-0.0f);
+            return _mm256_max_ps(_mm256_andnot_ps(sign, p), _mm256_andnot_ps(sign, q));
+        };
+        const __m256 m = _mm256_max_ps(_mm256_max_ps(size(ax, ay), size(bx, by)), size(cx, cy));
+        const __m256 bound = _mm256_fmadd_ps(_mm256_mul_ps(_mm256_set1_ps(kFilterBound), m), m,
+                                             _mm256_set1_ps(kFilterUnderflow));
+        const __m256 least = _mm256_min_ps(_mm256_min_ps(u, v), w);
+        const __m256 most = _mm256_max_ps(_mm256_max_ps(u, v), w);
+        const __m256 out = _mm256_and_ps(
+            _mm256_cmp_ps(_mm256_add_ps(least, bound), _mm256_setzero_ps(), _CMP_LT_OQ),
+            _mm256_cmp_ps(most, bound, _CMP_GT_OQ));
+        in |= (~static_cast<unsigned>(_mm256_movemask_ps(out)) & 255) << (8 * half);
+    }
+    return block.valid & in;
 }

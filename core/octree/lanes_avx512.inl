@@ -37,6 +37,27 @@ inline F32 larger(F32 a, F32 b) { return {_mm256_max_ps(a.v, b.v)}; }
 inline F32 productMinus(F32 a, F32 b, F32 c) { return {_mm256_fmsub_ps(a.v, b.v, c.v)}; }
 inline unsigned bitsLessEqual(F32 a, F32 b) { return _mm256_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
 
+/// x, y, z and a fourth.
+struct Quad {
+    __m256d v;
+};
+
+inline Quad loadQuad(const double* p) { return {_mm256_loadu_pd(p)}; }
+inline Quad allQuad(double x) { return {_mm256_set1_pd(x)}; }
+inline void store(double* p, Quad a) { _mm256_store_pd(p, a.v); }
+inline Quad operator+(Quad a, Quad b) { return {_mm256_add_pd(a.v, b.v)}; }
+inline Quad operator-(Quad a, Quad b) { return {_mm256_sub_pd(a.v, b.v)}; }
+inline Quad operator*(Quad a, Quad b) { return {_mm256_mul_pd(a.v, b.v)}; }
+inline Quad operator/(Quad a, Quad b) { return {_mm256_div_pd(a.v, b.v)}; }
+inline Quad larger(Quad a, Quad b) { return {_mm256_max_pd(a.v, b.v)}; }
+inline Quad magnitude(Quad a) { return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.v)}; }
+inline Quad withSignOf(Quad magnitudes, Quad signs) {
+    return {_mm256_or_pd(magnitudes.v, _mm256_and_pd(_mm256_set1_pd(-0.0), signs.v))};
+}
+inline Quad withFourth(Quad a, double x) { return {_mm256_blend_pd(a.v, _mm256_set1_pd(x), 8)}; }
+inline unsigned signsOf(Quad a) { return static_cast<unsigned>(_mm256_movemask_pd(a.v)) & 7; }
+inline void storeNarrow(float* p, Quad a) { _mm_store_ps(p, _mm256_cvtpd_ps(a.v)); }
+
 /// Visiting order of a ray: far slots first.
 struct Order {
     __m256i slots, bit;
@@ -54,8 +75,7 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
                              std::uint32_t* references, float* enters, int& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     const std::uint32_t next = node.child[nearest];
-    mask &= ~(1u << nearest);
-    if (!mask) return next;
+    mask &= ~(1u << nearest); // often empty, unpredictably: storing nothing beats a branch
     const __m256i child = _mm256_permutevar8x32_epi32(
         _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)), order.slots);
     const __m256 t = _mm256_permutevar8x32_ps(enter.v, order.slots);
@@ -78,4 +98,44 @@ inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* ref
                             _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child))));
     top += __builtin_popcount(mask);
     return next;
+}
+
+/// 16 sheared corners in the order of SharedBlock::corner.
+struct SharedCorners {
+    F64 x0, x1, y0, y1, z0, z1;
+};
+
+/// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
+inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double scale) {
+    const __m512d s = _mm512_set1_pd(scale);
+    const __m512 x =
+        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),
+                           _mm512_cvtpd_ps(_mm512_mul_pd(c.x1.v, s)), 1);
+    const __m512 y =
+        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.y0.v, s))),
+                           _mm512_cvtpd_ps(_mm512_mul_pd(c.y1.v, s)), 1);
+    const auto indices = [&](int corner) {
+        return _mm512_cvtepu8_epi32(
+            _mm_load_si128(reinterpret_cast<const __m128i*>(block.index[corner])));
+    };
+    const __m512i a = indices(0), b = indices(1), d = indices(2);
+    const __m512 ax = _mm512_permutexvar_ps(a, x), ay = _mm512_permutexvar_ps(a, y);
+    const __m512 bx = _mm512_permutexvar_ps(b, x), by = _mm512_permutexvar_ps(b, y);
+    const __m512 cx = _mm512_permutexvar_ps(d, x), cy = _mm512_permutexvar_ps(d, y);
+    const __m512 u = _mm512_fmsub_ps(cx, by, _mm512_mul_ps(cy, bx));
+    const __m512 v = _mm512_fmsub_ps(ax, cy, _mm512_mul_ps(ay, cx));
+    const __m512 w = _mm512_fmsub_ps(bx, ay, _mm512_mul_ps(by, ax));
+    constexpr int kLargestMagnitude = 0b1011;
+    const __m512 m = _mm512_range_ps(_mm512_range_ps(_mm512_range_ps(ax, ay, kLargestMagnitude),
+                                                     _mm512_range_ps(bx, by, kLargestMagnitude),
+                                                     kLargestMagnitude),
+                                     _mm512_range_ps(cx, cy, kLargestMagnitude), kLargestMagnitude);
+    const __m512 bound = _mm512_fmadd_ps(_mm512_mul_ps(_mm512_set1_ps(kFilterBound), m), m,
+                                         _mm512_set1_ps(kFilterUnderflow));
+    const __m512 least = _mm512_min_ps(_mm512_min_ps(u, v), w);
+    const __m512 most = _mm512_max_ps(_mm512_max_ps(u, v), w);
+    const unsigned out =
+        _mm512_cmp_ps_mask(_mm512_add_ps(least, bound), _mm512_setzero_ps(), _CMP_LT_OQ) &
+        _mm512_cmp_ps_mask(most, bound, _CMP_GT_OQ);
+    return block.valid & ~out;
 }

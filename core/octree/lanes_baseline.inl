@@ -82,6 +82,42 @@ inline unsigned bitsLessEqual(F32 x, F32 y) {
                                  _mm_movemask_ps(_mm_cmple_ps(x.b, y.b)) << 4);
 }
 
+/// x, y, z and a fourth.
+struct Quad {
+    __m128d a, b;
+};
+
+inline Quad loadQuad(const double* p) { return {_mm_loadu_pd(p), _mm_loadu_pd(p + 2)}; }
+inline Quad allQuad(double x) {
+    const __m128d v = _mm_set1_pd(x);
+    return {v, v};
+}
+inline void store(double* p, Quad x) {
+    _mm_store_pd(p, x.a);
+    _mm_store_pd(p + 2, x.b);
+}
+inline Quad operator+(Quad x, Quad y) { return {_mm_add_pd(x.a, y.a), _mm_add_pd(x.b, y.b)}; }
+inline Quad operator-(Quad x, Quad y) { return {_mm_sub_pd(x.a, y.a), _mm_sub_pd(x.b, y.b)}; }
+inline Quad operator*(Quad x, Quad y) { return {_mm_mul_pd(x.a, y.a), _mm_mul_pd(x.b, y.b)}; }
+inline Quad operator/(Quad x, Quad y) { return {_mm_div_pd(x.a, y.a), _mm_div_pd(x.b, y.b)}; }
+inline Quad larger(Quad x, Quad y) { return {_mm_max_pd(x.a, y.a), _mm_max_pd(x.b, y.b)}; }
+inline Quad magnitude(Quad x) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    return {_mm_andnot_pd(sign, x.a), _mm_andnot_pd(sign, x.b)};
+}
+inline Quad withSignOf(Quad magnitudes, Quad signs) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    return {_mm_or_pd(magnitudes.a, _mm_and_pd(sign, signs.a)),
+            _mm_or_pd(magnitudes.b, _mm_and_pd(sign, signs.b))};
+}
+inline Quad withFourth(Quad x, double y) { return {x.a, _mm_unpacklo_pd(x.b, _mm_set1_pd(y))}; }
+inline unsigned signsOf(Quad x) {
+    return static_cast<unsigned>(_mm_movemask_pd(x.a) | _mm_movemask_pd(x.b) << 2) & 7;
+}
+inline void storeNarrow(float* p, Quad x) {
+    _mm_store_ps(p, _mm_movelh_ps(_mm_cvtpd_ps(x.a), _mm_cvtpd_ps(x.b)));
+}
+
 struct Order {
     unsigned mirror;
 };
@@ -113,4 +149,28 @@ inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* ref
     for (mask &= mask - 1; mask; mask &= mask - 1)
         references[top++] = node.child[__builtin_ctz(mask)];
     return next;
+}
+
+/// 16 sheared corners in the order of SharedBlock::corner.
+struct SharedCorners {
+    F64 x0, x1, y0, y1, z0, z1;
+};
+
+/// Triangles of a shared block whose edge functions do not rule them out. Without permutations f32
+/// would gain nothing: the corners are fetched one by one.
+inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double) {
+    alignas(16) double x[kSharedLanes], y[kSharedLanes];
+    store(x, c.x0);
+    store(x + kLanes, c.x1);
+    store(y, c.y0);
+    store(y + kLanes, c.y1);
+    unsigned in = 0;
+    for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const int a = block.index[0][i], b = block.index[1][i], d = block.index[2][i];
+        const double u = x[d] * y[b] - y[d] * x[b], v = x[a] * y[d] - y[a] * x[d],
+                     w = x[b] * y[a] - y[b] * x[a];
+        if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) in |= 1u << i;
+    }
+    return in;
 }

@@ -3,7 +3,10 @@
 // Node, 256 bytes, 4 cache lines: the tight boxes of up to 8 children as 6 rows of 8 f32, their 8
 // references, 32 spare bytes. The slot of a child is the octant of the node that it is nearest to, so
 // visiting slots in the order of the ray's signs goes from near to far.
-// Triangle block, 640 bytes: the corners of up to 8 triangles as 9 rows of 8 f64, and their ids.
+// Shared block, 512 bytes: up to 16 triangles that share up to 16 corners; corners as 3 rows of 16 f64,
+// triangles as 3 rows of 16 bytes that index them, and ids. Most meshes live in these.
+// Triangle block, 640 bytes: the corners of up to 8 triangles as 9 rows of 8 f64, and their ids; for
+// triangles that share too few corners.
 // Sphere block, 320 bytes; parallelogram block, 832 bytes: likewise.
 // Unused lanes hold NaN, which no test accepts; unused children hold a box that no ray meets.
 //
@@ -24,6 +27,17 @@ struct alignas(64) Node {
     std::uint32_t spare[kLanes];
 };
 static_assert(sizeof(Node) == 256);
+
+inline constexpr int kSharedLanes = 16;
+
+struct alignas(64) SharedBlock {
+    double corner[3][kSharedLanes];      // [axis][corner]
+    std::uint8_t index[3][kSharedLanes]; // [corner of the triangle][lane]
+    std::uint32_t id[kSharedLanes];
+    std::uint32_t valid; // bit per lane
+    std::uint32_t spare[3];
+};
+static_assert(sizeof(SharedBlock) == 512);
 
 struct alignas(64) TriangleBlock {
     double corner[3][3][kLanes]; // [corner][axis][lane]
@@ -69,7 +83,8 @@ enum LeafKind : std::uint32_t {
     kTriangleLeaf = 0,
     kSphereLeaf = 1,
     kParallelogramLeaf = 2,
-    kMixedLeaf = 3
+    kMixedLeaf = 3,
+    kSharedLeaf = 4
 };
 
 /// Entries of a traversal stack: 7 a level; the builder cuts no deeper than this allows.
@@ -79,6 +94,7 @@ inline constexpr int kMaxDepth = (kStackSize - 8) / 7;
 /// What the kernels see of a tree.
 struct TreeView {
     const Node* nodes; // node 0 is the root; null when the tree has none
+    const SharedBlock* shared;
     const TriangleBlock* triangles;
     const SphereBlock* spheres;
     const ParallelogramBlock* parallelograms;
@@ -87,8 +103,9 @@ struct TreeView {
     const std::uint32_t* customPrimitives;
     const std::uint32_t* customIds;
     const geometry::Primitives* primitives;
-    double center[3];
+    double center[4]; // [3]: 0
     double scale;
+    bool hasSpheres, hasUnbounded;
     LeafRecord unbounded; // primitives without finite bounds: every ray tests them
 };
 

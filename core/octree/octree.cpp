@@ -161,8 +161,8 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
         References references = referencesOf(primitives);
         for (int i = 0; i < 3; ++i) view.center[i] = references.center[i];
         view.scale = references.scale;
-        const Cells cells(std::move(references.bounded), references.boundedCount, references.scale,
-                          options);
+        const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
+                          references.scale, options);
         impl.tree = emit(cells, references.unbounded, primitives);
     };
     // Starting threads costs more than a small tree.
@@ -170,6 +170,8 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     parallel::withThreads(primitives.count() < kWorthThreads ? 1 : options.threads, run);
     const Tree& tree = impl.tree;
     view.nodes = tree.nodes.data();
+    view.hasSpheres = tree.spheres.size() > 0;
+    view.shared = tree.shared.data();
     view.triangles = tree.triangles.data();
     view.spheres = tree.spheres.data();
     view.parallelograms = tree.parallelograms.data();
@@ -179,6 +181,9 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     view.customIds = tree.customIds.data();
     view.primitives = &primitives;
     view.unbounded = tree.unbounded;
+    view.hasUnbounded = tree.unbounded.triangleBlocks + tree.unbounded.sphereBlocks +
+                            tree.unbounded.parallelogramBlocks + tree.unbounded.runCount >
+                        0;
     return octree;
 }
 
@@ -209,7 +214,8 @@ Hit Octree::closestWithoutTree(const Ray& ray) const {
     Hit hit;
     if (!impl_) return hit;
     const Tree& tree = impl_->tree;
-    impl_->kernel->scan(impl_->view, static_cast<std::uint32_t>(tree.triangles.size()),
+    impl_->kernel->scan(impl_->view, static_cast<std::uint32_t>(tree.shared.size()),
+                        static_cast<std::uint32_t>(tree.triangles.size()),
                         static_cast<std::uint32_t>(tree.spheres.size()),
                         static_cast<std::uint32_t>(tree.parallelograms.size()),
                         static_cast<std::uint32_t>(tree.runs.size()), ray, &hit);
@@ -221,10 +227,11 @@ Statistics Octree::statistics() const {
     if (!impl_) return s;
     const Tree& tree = impl_->tree;
     s.nodes = tree.nodes.size();
-    s.blocks = tree.triangles.size() + tree.spheres.size() + tree.parallelograms.size();
-    s.bytes = tree.nodes.bytes() + tree.triangles.bytes() + tree.spheres.bytes() +
-              tree.parallelograms.bytes() + tree.records.bytes() + tree.runs.bytes() +
-              tree.customPrimitives.bytes() + tree.customIds.bytes();
+    s.blocks = tree.shared.size() + tree.triangles.size() + tree.spheres.size() +
+               tree.parallelograms.size();
+    s.bytes = tree.nodes.bytes() + tree.shared.bytes() + tree.triangles.bytes() +
+              tree.spheres.bytes() + tree.parallelograms.bytes() + tree.records.bytes() +
+              tree.runs.bytes() + tree.customPrimitives.bytes() + tree.customIds.bytes();
     const auto inUse = [](const std::uint32_t* id) {
         std::size_t n = 0;
         while (n < kLanes && id[n] != kEmptyChild) ++n;
@@ -247,6 +254,9 @@ Statistics Octree::statistics() const {
         const std::uint32_t index = reference & kLeafIndex;
         std::size_t count = 0;
         switch (reference >> kLeafKindShift & 7) {
+        case kSharedLeaf:
+            count = static_cast<std::size_t>(__builtin_popcount(tree.shared[index].valid));
+            break;
         case kTriangleLeaf:
             count = inUse(tree.triangles[index].id);
             break;

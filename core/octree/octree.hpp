@@ -18,7 +18,7 @@ using geometry::Ray;
 enum class Simd : std::uint8_t { best, baseline, avx2, avx512 };
 
 struct BuildOptions {
-    std::uint32_t maxObjects = 8; // largest number of primitives in a cell that is not cut further
+    std::uint32_t maxObjects = 16; // largest number of primitives in a cell that is not cut further
     double minSize = 0;     // cells with all sides <= this are not cut, world units; 0: no limit
     int threads = 0;        // 0: all that the process may use
     Simd simd = Simd::best; // best: what RT_SIMD asks for, or else the widest that this CPU has

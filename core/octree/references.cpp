@@ -130,7 +130,7 @@ References referencesOf(const Primitives& primitives) {
         return result;
     }
     for (int i = 0; i < 3; ++i) result.center[i] = center[i];
-    if (half > 0x1p-1000) result.scale = std::ldexp(1.0, -(std::ilogb(half) + 1));
+    if (half > numeric::powerOfTwo(-1000)) result.scale = std::ldexp(1.0, -(std::ilogb(half) + 1));
     result.bounded.reset(new Reference[result.boundedCount]);
     std::uint32_t at = 0;
     std::vector<std::uint32_t> start(chunks);

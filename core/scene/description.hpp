@@ -69,7 +69,7 @@ struct Render {
     Sampling sampling = Sampling::center;
     NearPlane nearPlane = NearPlane::none;
     double cutoff = 0; // rays that can add less than this to a pixel are not traced; 0: all are
-    std::uint32_t octreeMaxObjects = 8;
+    std::uint32_t octreeMaxObjects = 16;
     double octreeMinSize = 0;
 };
 

@@ -20,8 +20,7 @@ struct Limits {
 constexpr Limits kUnlimited{};
 constexpr Limits kPositive{0, std::numeric_limits<double>::infinity(), RT_MIN_EXCLUSIVE};
 constexpr Limits kNotNegative{0};
-constexpr Limits kColorRange{
-    0, 1e6}; // [USERS of HDR lights stay below 1e5; beyond it sums lose their small terms]
+constexpr Limits kColorRange{0, 1e6}; // sums of six decades keep nine digits of the smallest term
 constexpr double kMaxCount = 4294967295.0;
 
 constexpr rt_param row(const char* name, std::uint32_t type, std::uint32_t unit,
@@ -171,7 +170,7 @@ constexpr Field kCamera[] = {
         direction("up", "[0, 0, 1]",
                   "A direction that is up in the picture; any length, not along the view.")),
     field<&Camera::fieldOfView>(
-        real("field_of_view", RT_UNIT_ANGLE, "45deg", {0, 180, RT_MIN_EXCLUSIVE | RT_MAX_EXCLUSIVE},
+        real("field_of_view", RT_UNIT_ANGLE, "45deg", {0.001, 179},
              "Vertical angle of view; the width follows from the picture. Either this or screen.")),
     section("screen", "", kScreen,
             "The rectangle that the picture is seen through. Either this or field_of_view."),
@@ -204,14 +203,14 @@ constexpr Field kAntialias[] = {
     alternative<AntialiasGrid, &AntialiasGrid::n>(
         count("grid", nullptr, {1, 64}, "n x n samples in each pixel.")),
     alternative<AntialiasMaxError, &AntialiasMaxError::rmse>(
-        real("max_error", RT_UNIT_NONE, nullptr, {0, 1, RT_MIN_EXCLUSIVE},
+        real("max_error", RT_UNIT_NONE, nullptr, {0.00001, 1},
              "As many samples as bring the root mean square error of the picture below this; 1 is "
              "display white.")),
 };
 
 constexpr Field kOctree[] = {
     field<&Render::octreeMaxObjects>(
-        count("max_objects", "8", {1, kMaxCount}, "A cell with more primitives is divided.")),
+        count("max_objects", "16", {1, kMaxCount}, "A cell with more primitives is divided.")),
     field<&Render::octreeMinSize>(real("min_size", RT_UNIT_LENGTH, "0", kNotNegative,
                                        "Cells are not divided below this size; 0: no limit.")),
 };
@@ -293,7 +292,7 @@ constexpr Field kMaterial[] = {
         color("environment", "0", "Light added for each light that is visible.")),
     field<&Material::shininess>(real("shininess", RT_UNIT_NONE, "20", {0, 1e6},
                                      "Exponent of the highlight: higher is smaller and sharper.")),
-    field<&Material::ior>(real("ior", RT_UNIT_RATIO, "1", {0, 1000, RT_MIN_EXCLUSIVE},
+    field<&Material::ior>(real("ior", RT_UNIT_RATIO, "1", {0.01, 100},
                                "Index of refraction, inside over outside: glass 1.5, water 1.33.")),
 };
 
@@ -401,8 +400,8 @@ constexpr Field kAnimation[] = {
     field<&Animation::frames>(
         count("frames", nullptr, {1, 1e6},
               "Number of images; the first is number 0 and shows the scene at rest.")),
-    field<&Animation::fps>(real("fps", RT_UNIT_NONE, "24", {0, 1000, RT_MIN_EXCLUSIVE},
-                                "Images per second of the film.")),
+    field<&Animation::fps>(
+        real("fps", RT_UNIT_NONE, "24", {0.001, 1000}, "Images per second of the film.")),
     byHand(special("tracks", kTypeMap, "", "What moves, and when."), kTrack),
 };
 

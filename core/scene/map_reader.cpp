@@ -54,7 +54,7 @@ MapReader::MapReader(const Node& map, Location place, std::string subject,
 }
 
 const Node::Member* MapReader::takeMember(std::string_view key) {
-    known_.emplace_back(key);
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
     if (!map_) return nullptr;
     for (std::size_t i = 0; i < map_->members.size(); ++i)
         if (map_->members[i].key == key) {

@@ -121,14 +121,10 @@ public:
     /// The item of `list` that is called `key` or has that number; a typed item's own map.
     Node* intoList(Node& list, const std::string& key, std::uint32_t column,
                    const std::string& path) {
-        std::vector<std::string> names;
-        for (Node& item : list.items) {
-            Node& inner = innerOf(item);
-            if (const Node* name = inner.find("name"); name && name->kind == Kind::scalar) {
-                if (name->text == key) return &inner;
-                names.push_back(name->text);
-            }
-        }
+        for (Node& item : list.items)
+            if (const Node* name = innerOf(item).find("name");
+                name && name->kind == Kind::scalar && name->text == key)
+                return &innerOf(item);
         std::size_t number = 0;
         const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
         if (error == std::errc{} && end == key.data() + key.size()) {
@@ -136,7 +132,7 @@ public:
             return fail(column, path + " has " + std::to_string(list.items.size()) +
                                     " items, numbered from 0; there is none of number " + key);
         }
-        const std::string near = nearest(key, names);
+        const std::string near = nearest(key, namesOf(list));
         return fail(column, path + " has no item named " + quoted(key),
                     near.empty() ? "" : "did you mean '" + near + "'?");
     }
@@ -147,8 +143,17 @@ public:
         return nullptr;
     }
 
+    /// Of the items of `list` that have one.
+    static std::vector<std::string> namesOf(const Node& list) {
+        std::vector<std::string> names;
+        for (const Node& item : list.items)
+            if (const Node* name = innerOf(item).find("name"); name && name->kind == Kind::scalar)
+                names.push_back(name->text);
+        return names;
+    }
+
 private:
-    static Node& innerOf(Node& item) {
+    template <class NodeOrConst> static NodeOrConst& innerOf(NodeOrConst& item) {
         const bool isTyped = item.kind == Kind::map && item.members.size() == 1 &&
                              item.members.front().value.kind == Kind::map;
         return isTyped ? item.members.front().value : item;
@@ -198,18 +203,18 @@ bool applyOverride(Node& root, const std::string& assignment, Diagnostics& diagn
             for (const Section& section : sections()) names.emplace_back(section.name);
             if (std::find(names.begin(), names.end(), key) == names.end()) {
                 // moon.radius is short for objects.moon.radius
-                Node* objects =
-                    root.find("objects") ? walker.intoMap(root, "objects", column) : nullptr;
-                const bool isObject = objects && objects->kind == Kind::sequence && end != equals;
-                node = isObject ? walker.intoList(*objects, key, column, "objects") : nullptr;
-                if (!node) {
-                    if (!isObject) {
-                        const std::string near = nearest(key, names);
-                        walker.fail(column, "the scene has no section " + quoted(key),
-                                    near.empty() ? "" : "did you mean '" + near + "'?");
-                    }
+                const Node* objects = root.find("objects");
+                for (const std::string& name :
+                     objects ? walker.namesOf(*objects) : std::vector<std::string>{})
+                    names.push_back(name);
+                if (end == equals || std::find(names.begin(), names.end(), key) == names.end()) {
+                    const std::string near = nearest(key, names);
+                    walker.fail(column, "the scene has no section and no object " + quoted(key),
+                                near.empty() ? "" : "did you mean '" + near + "'?");
                     return false;
                 }
+                node = walker.intoList(*walker.intoMap(root, "objects", column), key, column,
+                                       "objects");
                 path = key;
                 begin = end + 1;
                 continue;

@@ -95,17 +95,18 @@ private:
 
     /// The one motion that is written; a second one is an error.
     const Node::Member* findMotion() {
-        const Node::Member* first = written("keyframes");
-        const Node::Member* motion = nullptr;
-        for (const Field& field : motionFields()) {
-            const Node::Member* member = written(field.row.name);
-            if (!member) continue;
+        const Node::Member *first = nullptr, *motion = nullptr;
+        for (const Node::Member& member : node_.members) {
+            const bool isKeyframes = member.key == "keyframes";
+            if (!isKeyframes && !findField(motionFields(), member.key)) continue;
             if (first)
-                report(field.row.name, codes::kExclusive, member->keyLocation,
+                report(member.key.c_str(), codes::kExclusive, member.keyLocation,
                        "excludes '" + first->key + "': a track has one motion",
                        "write a second track for the same target");
-            else
-                first = motion = member;
+            else {
+                first = &member;
+                if (!isKeyframes) motion = &member;
+            }
         }
         return motion;
     }

@@ -129,16 +129,26 @@ double highest(const rt_param& row) {
     return row.unit == RT_UNIT_LENGTH ? std::min(row.max, kMaxLength) : row.max;
 }
 
+/// As people write limits: 1000000 and 1e18.
+std::string spelledOut(double limit) {
+    constexpr double kLongest = 1e10;
+    if (limit == std::floor(limit) && std::fabs(limit) < kLongest)
+        return std::to_string(static_cast<std::int64_t>(limit));
+    std::string text = shortest(limit);
+    std::erase(text, '+');
+    return text;
+}
+
 /// "> 0 and <= 1", or "" without limits.
 std::string limitsOf(const rt_param& row, double low, double high) {
     std::string text;
     if (std::isfinite(low))
-        text = (row.flags & RT_MIN_EXCLUSIVE && low == row.min ? "> " : ">= ") + shortest(low) +
+        text = (row.flags & RT_MIN_EXCLUSIVE && low == row.min ? "> " : ">= ") + spelledOut(low) +
                unitSuffix(row);
     if (std::isfinite(high))
         text += (text.empty() ? "" : " and ") +
                 std::string(row.flags & RT_MAX_EXCLUSIVE && high == row.max ? "< " : "<= ") +
-                shortest(high) + unitSuffix(row);
+                spelledOut(high) + unitSuffix(row);
     return text;
 }
 
@@ -146,6 +156,13 @@ std::string limitsOf(const rt_param& row, double low, double high) {
 std::optional<Fault> checkLimits(double number, const Node& node, const rt_param& row) {
     const bool above = row.flags & RT_MIN_EXCLUSIVE ? number > row.min : number >= row.min;
     const bool below = row.flags & RT_MAX_EXCLUSIVE ? number < row.max : number <= row.max;
+    const bool isTooSmall = row.unit == RT_UNIT_LENGTH && row.min == 0 &&
+                            row.flags & RT_MIN_EXCLUSIVE && above && number * kMaxLength < 1;
+    if (isTooSmall)
+        return Fault{codes::kOutOfRange,
+                     node.location,
+                     "must be >= " + spelledOut(1 / kMaxLength) + got(node),
+                     {}};
     if (above && below && number >= lowest(row) && number <= highest(row)) return std::nullopt;
     // A coordinate that is merely too far away need not hear of its other limit.
     const bool far = above && below;

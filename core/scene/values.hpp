@@ -23,7 +23,8 @@ template <class T> using Parsed = std::variant<T, Fault>;
 // Flags that only core rows carry.
 inline constexpr std::uint32_t kUniform = 1u << 16; // RT_VECTOR3: one number stands for three
 
-/// Coordinates and lengths lie within this: f32 boxes hold them, and their squares and products stay finite.
+/// Coordinates and lengths lie within this, and lengths that must be positive are no smaller than its inverse: f32
+/// boxes hold them, and their squares and quotients stay finite and above 0.
 inline constexpr double kMaxLength = 1e18;
 
 /// `file` values come back absolute, relative paths starting at the folder of the file that `node` stands in.

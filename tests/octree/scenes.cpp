@@ -23,7 +23,7 @@ std::uint64_t Random::bits() { // splitmix64
     return z ^ (z >> 31);
 }
 
-double Random::unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+double Random::unit() { return static_cast<double>(bits() >> 11) * numeric::powerOfTwo(-53); }
 
 Vec3 Random::direction() {
     for (;;) {
@@ -88,8 +88,9 @@ std::int32_t customIntersect(const void* data, const std::uint32_t* primitives, 
             hit->normal[a] /= length;
             hit->position[a] = s.center[a] + s.radius * hit->normal[a];
         }
-        hit->position_error = 0x1p-48 * (std::fabs(s.center.x) + std::fabs(s.center.y) +
-                                         std::fabs(s.center.z) + s.radius);
+        hit->position_error =
+            numeric::powerOfTwo(-48) *
+            (std::fabs(s.center.x) + std::fabs(s.center.y) + std::fabs(s.center.z) + s.radius);
     }
     return found;
 }
@@ -309,13 +310,13 @@ Scene slivers() {
     for (std::uint32_t i = 0; i < 5000; ++i) {
         const Vec3 c = random.inBox(1), along = 0.5 * random.direction();
         m.positions.insert(m.positions.end(),
-                           {c - along, c + along, c + 1e-6 * random.direction()});
+                           {c - along, c + along, c + 0.000001 * random.direction()});
         m.indices.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
     addMesh(*s.primitives, m.positions, m.indices, false);
     std::vector<Parallelogram> flats;
     for (int i = 0; i < 1500; ++i)
-        flats.push_back({random.inBox(1), 0.5 * random.direction(), 1e-5 * random.direction()});
+        flats.push_back({random.inBox(1), 0.5 * random.direction(), 0.00001 * random.direction()});
     addParallelograms(*s.primitives, flats);
     return s;
 }
@@ -344,16 +345,16 @@ Scene axisParallel() {
 Scene teapotInStadium() {
     Scene s;
     s.name = "teapot-in-stadium";
-    const Mesh bowl = torus(60, 40, 1e4, 3e3, Vec3(0.0)), pot = icosphere(4, 1e-3, {1, 2, 3}, 0.1);
+    const Mesh bowl = torus(60, 40, 1e4, 3e3, Vec3(0.0)), pot = icosphere(4, 0.001, {1, 2, 3}, 0.1);
     addMesh(*s.primitives, bowl.positions, bowl.indices);
     addMesh(*s.primitives, pot.positions, pot.indices);
     std::vector<Sphere> spheres;
     Random random(5);
     for (int i = 0; i < 500; ++i)
-        spheres.push_back({Vec3(1, 2, 3) + random.inBox(0.01), 1e-4 * random.unit()});
+        spheres.push_back({Vec3(1, 2, 3) + random.inBox(0.01), 0.0001 * random.unit()});
     addSpheres(*s.primitives, spheres);
     s.center = {1, 2, 3};
-    s.size = 5e-3;
+    s.size = 0.005;
     return s;
 }
 
@@ -363,7 +364,7 @@ Scene farAndCoincident() {
     s.center = {1e6, -2e6, 3e6};
     Random random(6);
     std::vector<Sphere> spheres;
-    for (int i = 0; i < 500; ++i) spheres.push_back({s.center, 0.5 + i * 1e-3}); // one centre
+    for (int i = 0; i < 500; ++i) spheres.push_back({s.center, 0.5 + i * 0.001}); // one centre
     for (int i = 0; i < 4000; ++i)
         spheres.push_back({s.center + random.inBox(1), random.in(0.001, 0.02)});
     addSpheres(*s.primitives, spheres);
@@ -453,7 +454,7 @@ Ray rayFor(const Scene& scene, std::uint64_t i) {
         break;
     default: // from far away, not normalised
         ray.origin = scene.center + 1e3 * scene.size * random.direction();
-        ray.direction = 1e-3 * (pointOn(*scene.primitives, random) - ray.origin);
+        ray.direction = 0.001 * (pointOn(*scene.primitives, random) - ray.origin);
         break;
     }
     if (random.below(4) == 0) ray.tMax = random.in(0, 2) * (i % 8 == 7 ? 1e3 : 1);

@@ -1,0 +1,432 @@
+// Every option of every subcommand: a good case, a bad value, what goes where, the exit code. A test walks the help and
+// fails when an option has no row here.
+#include <tests/cli/run.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace rt::cli_tests {
+
+namespace {
+
+using Json = nlohmann::json;
+
+class Options : public Cli {
+protected:
+    struct Case {
+        std::string command, option;
+        std::string good;                          // command line that ends with 0
+        std::function<void(const Outcome&)> check; // of the good case
+        std::string bad;
+        std::string badMessage; // all of stderr; the exit code is 2
+    };
+    std::vector<Case> cases();
+
+    /// "WxH" of a PFM.
+    std::string pfmSize(const std::string& bytes) const {
+        const auto header = words(bytes.substr(0, 20));
+        return header.size() < 3 ? "" : header[1] + "x" + header[2];
+    }
+    void renderPair() { // a.pfm and b.pfm differ, a2.pfm is a.pfm
+        rt("render scene.yaml -o a.pfm -o a2.pfm");
+        rt("render scene.yaml -o b.pfm --set lights.0.color=[0.5,1,1]");
+    }
+};
+
+std::vector<Options::Case> Options::cases() {
+    const std::string see = "; see rt render --help\n", render = "rt render: error: ";
+    const auto noValue = [](const std::string& command, const std::string& option) {
+        return "rt " + command + ": error: " + option + " takes no value; see rt " + command +
+               " --help\n";
+    };
+    const auto prints = [](const std::string& out) {
+        return [out](const Outcome& o) {
+            EXPECT_EQ(o.out, out);
+            EXPECT_EQ(o.err, "");
+        };
+    };
+    const auto quietly = [this](const std::string& file,
+                                const std::function<void(const std::string&)>& check) {
+        return [this, file, check](const Outcome& o) {
+            EXPECT_EQ(o.out, file + "\n");
+            EXPECT_EQ(o.err, "");
+            check(read(file));
+        };
+    };
+    const auto sized = [this, quietly](const std::string& size) {
+        return quietly("a.pfm",
+                       [this, size](const std::string& bytes) { EXPECT_EQ(pfmSize(bytes), size); });
+    };
+    const auto differsFromPlain = [this, quietly] {
+        return quietly("a.pfm", [this](const std::string& bytes) {
+            EXPECT_EQ(pfmSize(bytes), "64x48");
+            EXPECT_NE(bytes, read("plain.pfm"));
+        });
+    };
+    const auto sameAsPlain = [this, quietly] {
+        return quietly("a.pfm",
+                       [this](const std::string& bytes) { EXPECT_EQ(bytes, read("plain.pfm")); });
+    };
+    rt("render scene.yaml -o plain.pfm");
+    rt("render scene.yaml -o plain.png");
+    write("broken.yaml", "rt: 1\nobjects:\n  - sphere: {center: [0, 0, 0], radus: 1}\n");
+    write(
+        "missing.yaml",
+        "rt: 1\nimage: {width: 64, height: 48}\ncamera: {position: [0, -5, 0], look_at: [0, 0, 0], "
+        "field_of_view: 50deg}\nobjects:\n  - mesh: {name: gone, file: gone.obj}\n");
+    write("old.inf", kOldScene);
+    write("sloppy.inf", "window 48 64 9 9 9\n" + kOldScene);
+    write("film.inf", "movie 10 24\n0 move 50 50 50 0 10\n");
+    renderPair();
+    write("black.pfm", "PF\n64 48\n-1.0\n" + std::string(64 * 48 * 12, '\0'));
+    std::filesystem::create_directories(folder_ / "empty");
+    std::vector<Case> rows{
+        // ---- rt
+        {"rt", "-q", "-q check scene.yaml", prints(""), "--quiet=1",
+         "rt: error: --quiet takes no value; see rt --help\n"},
+        {"rt", "-v", "-v render scene.yaml -o a.pfm",
+         [](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             EXPECT_TRUE(std::regex_search(
+                 o.err, std::regex("3 primitives, \\d+ threads, (baseline|avx2|avx512)\n")));
+         },
+         "--verbose=2", "rt: error: --verbose takes no value; see rt --help\n"},
+        {"rt", "--json-errors", "--json-errors check scene.yaml", prints("scene.yaml: no errors\n"),
+         "--json-errors=1 check scene.yaml",
+         "rt check: error: --json-errors takes no value; see rt check --help\n"},
+        {"rt", "--version", "--version",
+         [](const Outcome& o) {
+             EXPECT_TRUE(std::regex_search(o.out, std::regex("^rt \\d+\\.\\d+\\.\\d+\ncommit ")));
+             EXPECT_EQ(o.err, "");
+         },
+         "--version=1", "rt: error: --version takes no value; see rt --help\n"},
+        // ---- render
+        {"render", "-o", "render scene.yaml -o a.pfm", sameAsPlain(), "render scene.yaml -o",
+         render + "--output needs a value" + see},
+        {"render", "--format", "render scene.yaml -o a --format pfm",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "a\n");
+             EXPECT_EQ(read("a"), read("plain.pfm"));
+         },
+         "render scene.yaml --format tga",
+         render + "--format: must be png, jpg, jpeg, bmp, exr or pfm (got 'tga')" + see},
+        {"render", "--quality", "render scene.yaml -o a.jpg --quality 1",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.jpg\n");
+             rt("render scene.yaml -o b.jpg --quality 100");
+             EXPECT_LT(read("a.jpg").size(), read("b.jpg").size());
+         },
+         "render scene.yaml --quality 0",
+         render + "--quality: must be a whole number from 1 to 100 (got '0')" + see},
+        {"render", "-s", "render scene.yaml -o a.pfm -s 32x20", sized("32x20"),
+         "render scene.yaml -s 32",
+         render + "--size: must be WIDTHxHEIGHT in pixels, such as 640x480 (got '32')" + see},
+        {"render", "-t", "render scene.yaml -o a.pfm -t 3", sameAsPlain(), "render scene.yaml -t x",
+         render + "--threads: must be a whole number from 0 to 1024 (got 'x')" + see},
+        {"render", "--set",
+         "render scene.yaml -o a.pfm --set image.width=20 --set objects.left.radius=0.25",
+         sized("20x48"), "render scene.yaml --set image.width",
+         render + "--set: must be PATH=VALUE, such as render.depth=3 (got 'image.width')" + see},
+        {"render", "--limit-pixels", "render scene.yaml -o a.pfm --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("render scene.yaml -o a.pfm --limit-pixels 3071").exitCode, 7);
+         },
+         "render scene.yaml --limit-pixels 0",
+         "rt render: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt render --help\n"},
+        {"render", "--allow-missing", "render missing.yaml -o a.pfm --allow-missing",
+         [](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             EXPECT_NE(o.err.find("missing.yaml:5:"), std::string::npos) << o.err;
+             EXPECT_NE(o.err.find("warning"), std::string::npos) << o.err;
+         },
+         "render missing.yaml --allow-missing=1", noValue("render", "--allow-missing")},
+        {"render", "--plugin-dir", "render scene.yaml -o a.pfm --plugin-dir empty", sameAsPlain(),
+         "render scene.yaml --plugin-dir", render + "--plugin-dir needs a value" + see},
+        {"render", "--crop", "render scene.yaml -o a.pfm --crop 10,8,30,20", sized("20x12"),
+         "render scene.yaml --crop 0,0,65,48",
+         render + "--crop: must lie inside the picture, which is 64x48" + see},
+        {"render", "--antialias", "render scene.yaml -o a.pfm --antialias grid=3",
+         differsFromPlain(), "render scene.yaml --antialias 4x",
+         render + "--antialias: must be none, fsaa4, grid=N or max_error=E (got '4x')" + see},
+        {"render", "--depth", "render scene.yaml -o a.pfm --depth 0", differsFromPlain(),
+         "render scene.yaml --depth -1",
+         render + "--depth: must be a whole number from 0 to 1000 (got '-1')" + see},
+        {"render", "--preview", "render scene.yaml -o a.pfm --preview", sized("16x12"),
+         "render scene.yaml --preview=1", noValue("render", "--preview")},
+        {"render", "--shade", "render scene.yaml -o a.pfm --shade normals", differsFromPlain(),
+         "render scene.yaml --shade depht",
+         render + "--shade: must be full, normals, depth, id or cost (got 'depht'); did you mean "
+                  "'depth'?\n"},
+        {"render", "--pixel", "render scene.yaml --pixel 32,24 --trace",
+         [this](const Outcome& o) {
+             EXPECT_NE(o.out.find("middle"), std::string::npos) << o.out;
+             EXPECT_EQ(o.err, "");
+             EXPECT_FALSE(exists("scene.png"));
+         },
+         "render scene.yaml --pixel 64,0 --trace",
+         render + "--pixel: must lie inside the picture, which is 64x48" + see},
+        {"render", "--trace", "render scene.yaml --trace --pixel 0,0",
+         [](const Outcome& o) { EXPECT_NE(o.out, ""); }, "render scene.yaml --trace",
+         render + "--trace needs --pixel X,Y; such as --pixel 320,240 --trace\n"},
+        {"render", "--progress", "render scene.yaml -o a.pfm --progress plain",
+         [](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             EXPECT_TRUE(std::regex_search(o.err, std::regex("scene.yaml 100 %, [0-9.]+ s\n$")))
+                 << o.err;
+         },
+         "render scene.yaml --progress dots",
+         render + "--progress: must be auto, bar, plain or none (got 'dots')" + see},
+        {"render", "--stats", "render scene.yaml -o a.pfm --stats=s.json",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             EXPECT_EQ(o.err, "");
+             const Json json = Json::parse(read("s.json"));
+             EXPECT_EQ(json["rays"]["primary"], 64 * 48);
+             EXPECT_EQ(json["primitives"], 3);
+         },
+         "render scene.yaml --stats s.json", render + "'s.json' is one argument too many" + see},
+        // ---- check
+        {"check", "--set", "check scene.yaml --set render.depth=2",
+         prints("scene.yaml: no errors\n"), "check scene.yaml --set",
+         "rt check: error: --set needs a value; see rt check --help\n"},
+        {"check", "--limit-pixels", "check scene.yaml --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("check scene.yaml --limit-pixels 3071").exitCode, 7);
+         },
+         "check scene.yaml --limit-pixels 0",
+         "rt check: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt check --help\n"},
+        {"check", "--allow-missing", "check missing.yaml --allow-missing",
+         [](const Outcome& o) { EXPECT_EQ(o.out, "missing.yaml: no errors\n"); },
+         "check missing.yaml --allow-missing=1", noValue("check", "--allow-missing")},
+        {"check", "--plugin-dir", "check scene.yaml --plugin-dir empty",
+         prints("scene.yaml: no errors\n"), "check scene.yaml --plugin-dir",
+         "rt check: error: --plugin-dir needs a value; see rt check --help\n"},
+        // ---- info
+        {"info", "--full", "info scene.yaml --full",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             write("full.yaml", o.out);
+             rt("render full.yaml -o full.pfm");
+             EXPECT_EQ(read("full.pfm"), read("plain.pfm"));
+             EXPECT_EQ(rt("info full.yaml --full").out, o.out);
+         },
+         "info scene.yaml --full --json",
+         "rt info: error: --full prints YAML and --json JSON: choose one; see rt info --help\n"},
+        {"info", "--json", "info scene.yaml --json",
+         [](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             const Json json = Json::parse(o.out);
+             EXPECT_EQ(json["primitives"]["spheres"], 3);
+             EXPECT_EQ(json["plugins"][0]["name"], "sphere");
+             EXPECT_EQ(json["plugins"][0]["because_of"],
+                       Json({"objects.left", "objects.middle", "objects.right"}));
+         },
+         "info scene.yaml --json=1", noValue("info", "--json")},
+        {"info", "--set", "info scene.yaml --json --set image.width=99",
+         [](const Outcome& o) { EXPECT_EQ(Json::parse(o.out)["width"], 99); },
+         "info scene.yaml --set a",
+         "rt info: error: --set: must be PATH=VALUE, such as render.depth=3 (got 'a'); see rt info "
+         "--help\n"},
+        {"info", "--limit-pixels", "info scene.yaml --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("info scene.yaml --limit-pixels 3071").exitCode, 7);
+         },
+         "info scene.yaml --limit-pixels 0",
+         "rt info: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt info --help\n"},
+        {"info", "--allow-missing", "info missing.yaml --json --allow-missing",
+         [](const Outcome& o) { EXPECT_EQ(Json::parse(o.out)["primitives"]["triangles"], 0); },
+         "info missing.yaml --allow-missing=x", noValue("info", "--allow-missing")},
+        {"info", "--plugin-dir", "info scene.yaml --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "info scene.yaml --plugin-dir",
+         "rt info: error: --plugin-dir needs a value; see rt info --help\n"},
+        // ---- schema
+        {"schema", "--plugin-dir", "schema --plugin-dir empty",
+         [](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_TRUE(Json::accept(o.out));
+             EXPECT_NE(o.out.find("\"sphere\""), std::string::npos);
+         },
+         "schema --plugin-dir",
+         "rt schema: error: --plugin-dir needs a value; see rt schema --help\n"},
+        // ---- compare
+        {"compare", "--crop", "compare a.pfm a2.pfm --crop 0,0,8,8",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --crop 0,0,8",
+         "rt compare: error: --crop: must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such "
+         "as 0,0,320,240 (got '0,0,8'); see rt compare --help\n"},
+        {"compare", "--mask", "compare a.pfm b.pfm --mask black.pfm",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --mask",
+         "rt compare: error: --mask needs a value; see rt compare --help\n"},
+        {"compare", "--diff", "compare a.pfm a2.pfm --diff d.png",
+         [this](const Outcome&) { EXPECT_TRUE(exists("d.png")); }, "compare a.pfm a2.pfm --diff",
+         "rt compare: error: --diff needs a value; see rt compare --help\n"},
+        {"compare", "--tolerance", "compare a.pfm b.pfm --tolerance 1",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --tolerance -1",
+         "rt compare: error: --tolerance: must be a number from 0 to 1 (got '-1'); see rt compare "
+         "--help\n"},
+        {"compare", "--encoding", "compare plain.png plain.png --encoding linear",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --encoding adobe",
+         "rt compare: error: --encoding: must be srgb or linear (got 'adobe'); see rt compare "
+         "--help\n"},
+        {"compare", "--json", "compare a.pfm a2.pfm --json",
+         [](const Outcome& o) { EXPECT_EQ(Json::parse(o.out)["rmse"], 0); },
+         "compare a.pfm a2.pfm --json=1", noValue("compare", "--json")},
+        // ---- plugins
+        {"plugins", "--json", "plugins --json",
+         [](const Outcome& o) {
+             const Json json = Json::parse(o.out);
+             EXPECT_TRUE(std::any_of(json.begin(), json.end(), [](const Json& p) {
+                 return p["name"] == "sphere" && p["kind"] == "shape";
+             }));
+         },
+         "plugins --json=1", noValue("plugins", "--json")},
+        {"plugins", "--check", "plugins --check " RT_PLUGINS "/sphere.rtplugin.so",
+         [](const Outcome& o) {
+             EXPECT_TRUE(o.out.starts_with("checked  ")) << o.out;
+             EXPECT_EQ(o.err, "");
+         },
+         "plugins --check sphere",
+         "rt plugins: error: --check: must be a plugin's file, NAME.rtplugin.so (got 'sphere'); "
+         "see rt "
+         "plugins --help\n"},
+        {"plugins", "--plugin-dir", "plugins --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "plugins --plugin-dir",
+         "rt plugins: error: --plugin-dir needs a value; see rt plugins --help\n"},
+        // ---- new
+        {"new", "--folder", "new shape ring --folder mine",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_TRUE(exists("mine/ring.cpp"));
+             EXPECT_TRUE(exists("mine/CMakeLists.txt"));
+             EXPECT_NE(o.out.find("mine/ring.cpp\n"), std::string::npos) << o.out;
+         },
+         "new shape ring --folder", "rt new: error: --folder needs a value; see rt new --help\n"},
+        // ---- convert
+        {"convert", "-o", "convert old.inf -o new.yaml",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "new.yaml\n");
+             EXPECT_TRUE(exists("new.yaml"));
+         },
+         "convert old.inf old.inf -o new.yaml",
+         "rt convert: error: --output is for one FILE only; see rt convert --help\n"},
+        {"convert", "--check", "convert old.inf --check",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "old.inf: no errors\n");
+             EXPECT_FALSE(exists("old.yaml"));
+         },
+         "convert old.inf --check=1", noValue("convert", "--check")},
+        {"convert", "--movie", "convert old.inf -o new.yaml --movie film.inf",
+         [this](const Outcome&) {
+             EXPECT_NE(read("new.yaml").find("animation:"), std::string::npos);
+         },
+         "convert old.inf old.inf --movie film.inf",
+         "rt convert: error: --movie is for one FILE only; see rt convert --help\n"},
+        {"convert", "--lenient", "convert sloppy.inf -o new.yaml --lenient",
+         [](const Outcome& o) {
+             EXPECT_NE(o.err.find("sloppy.inf:1:"), std::string::npos) << o.err;
+         },
+         "convert old.inf --lenient=1", noValue("convert", "--lenient")},
+        {"convert", "--window-order", "convert old.inf -o - --window-order height_width",
+         [](const Outcome& o) {
+             EXPECT_NE(o.out.find("width: 64"), std::string::npos) << o.out;
+             EXPECT_NE(o.out.find("height: 48"), std::string::npos) << o.out;
+         },
+         "convert old.inf --window-order hw",
+         "rt convert: error: --window-order: must be auto, width_height or height_width (got "
+         "'hw'); see rt "
+         "convert --help\n"},
+        {"convert", "--json-notes", "convert old.inf -o new.yaml --json-notes",
+         [](const Outcome& o) {
+             const auto lines = linesOf(o.out);
+             ASSERT_GT(lines.size(), 1u);
+             for (std::size_t i = 0; i + 1 < lines.size(); ++i)
+                 EXPECT_EQ(Json::parse(lines[i])["file"], "old.inf");
+             EXPECT_EQ(lines.back(), "new.yaml");
+         },
+         "convert old.inf --json-notes -o -",
+         "rt convert: error: --json-notes and -o - both want stdout; see rt convert --help\n"},
+        {"convert", "--plugin-dir", "convert old.inf --check --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.out, "old.inf: no errors\n"); },
+         "convert old.inf --plugin-dir",
+         "rt convert: error: --plugin-dir needs a value; see rt convert --help\n"},
+    };
+    return rows;
+}
+
+/// Options that `rt help COMMAND` shows, by their first name; those of every command only for "rt".
+std::set<std::string> optionsInHelp(const std::string& help) {
+    std::set<std::string> names;
+    static const std::regex option(R"(^ {2,6}(-\w|--[\w-]+))");
+    for (const std::string& line : linesOf(help)) {
+        std::smatch match;
+        if (std::regex_search(line, match, option) &&
+            line.find("-q, -v, --json-errors") == std::string::npos)
+            names.insert(match[1]);
+    }
+    return names;
+}
+
+std::vector<std::string> commandsInHelp(const std::string& help) {
+    std::vector<std::string> names;
+    bool within = false;
+    for (const std::string& line : linesOf(help)) {
+        if (line.empty()) within = false;
+        if (within && line[2] != ' ') names.push_back(words(line)[0]);
+        if (line == "Commands:") within = true;
+    }
+    return names;
+}
+
+} // namespace
+
+TEST_F(Options, TheGoodCaseOfEach) {
+    for (const Case& row : cases()) {
+        SCOPED_TRACE("rt " + row.good);
+        const Outcome outcome = rt(row.good);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        row.check(outcome);
+        for (const char* const file : {"a.pfm", "a", "a.jpg"})
+            if (row.command != "compare" && row.good.find("compare") == std::string::npos &&
+                row.command == "render")
+                std::filesystem::remove(folder_ / file);
+        if (row.command == "render") renderPair();
+    }
+}
+
+TEST_F(Options, TheBadValueOfEach) {
+    for (const Case& row : cases()) {
+        SCOPED_TRACE("rt " + row.bad);
+        const auto before = files();
+        const Outcome outcome = rt(row.bad);
+        EXPECT_EQ(outcome.exitCode, 2);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(outcome.err, row.badMessage);
+        EXPECT_EQ(files(), before);
+    }
+}
+
+TEST_F(Options, EachOneOfTheHelpHasARow) {
+    std::set<std::pair<std::string, std::string>> covered, shown;
+    for (const Case& row : cases()) covered.insert({row.command, row.option});
+    const std::string help = rt("--help").out;
+    const auto commands = commandsInHelp(help);
+    EXPECT_GE(commands.size(), 11u);
+    for (const std::string& option : optionsInHelp(help)) shown.insert({"rt", option});
+    for (const std::string& command : commands)
+        for (const std::string& option : optionsInHelp(rt(command + " --help").out))
+            shown.insert({command, option});
+    std::erase_if(shown,
+                  [](const auto& entry) { return entry.second == "-h"; }); // Help.EachCommandHasOne
+    EXPECT_EQ(covered, shown);
+}
+
+} // namespace rt::cli_tests
