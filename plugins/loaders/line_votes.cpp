@@ -12,54 +12,80 @@ namespace {
 
 double component(const Vector3& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-struct Line {
-    Vector2 at; // in the plane of the two other axes
-    std::uint32_t id;
+/// Parallel lines, given by their crossings with a plane across them.
+class Lines {
+public:
+    explicit Lines(const std::vector<Vector2>& at) {
+        std::vector<std::uint32_t> order(at.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return at[a].y != at[b].y ? at[a].y < at[b].y : at[a].x < at[b].x;
+        });
+        for (const std::uint32_t i : order) {
+            if (rowY_.empty() || rowY_.back() != at[i].y) {
+                rowY_.push_back(at[i].y);
+                rowStart_.push_back(static_cast<std::uint32_t>(x_.size()));
+            }
+            x_.push_back(at[i].x), id_.push_back(i);
+        }
+        rowStart_.push_back(static_cast<std::uint32_t>(x_.size()));
+    }
+
+    /// Calls visit(id, crossing) for the lines that cross the rectangle.
+    template <class Visit> void within(Vector2 lower, Vector2 upper, Visit&& visit) const {
+        const auto first = std::lower_bound(rowY_.begin(), rowY_.end(), lower.y);
+        for (auto row = static_cast<std::size_t>(first - rowY_.begin());
+             row < rowY_.size() && rowY_[row] <= upper.y; ++row) {
+            const auto from = x_.begin() + rowStart_[row], to = x_.begin() + rowStart_[row + 1];
+            for (auto x = std::lower_bound(from, to, lower.x); x != to && *x <= upper.x; ++x)
+                visit(id_[static_cast<std::size_t>(x - x_.begin())], Vector2{*x, rowY_[row]});
+        }
+    }
+
+private:
+    std::vector<double> rowY_, x_;
+    std::vector<std::uint32_t> rowStart_, id_;
 };
 
-/// Calls visit(line id, depth along `axis`, +1 or -1: the face's winding seen from the far end) for every crossing.
-/// `lines` are sorted by at.y.
+/// Calls visit(line, depth along `axis`, +1 or -1: the side of the face seen from the far end, face) for
+/// every crossing.
 template <class Visit>
 void castLines(const PolygonView& mesh, std::span<const std::uint32_t> faces, int axis,
-               const std::vector<Line>& lines, Visit&& visit) {
+               const Lines& lines, Visit&& visit) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    std::vector<Vector2> outline;
     std::vector<Vector3> corners;
+    const auto flat = [&](const Vector3& p) { return Vector2{component(p, u), component(p, v)}; };
     for (const std::uint32_t face : faces) {
-        outline.clear(), corners.clear();
-        double minX = kInfinity, maxX = -kInfinity, minY = kInfinity, maxY = -kInfinity;
+        Vector2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
         for (auto c = mesh.faceStart[face]; c < mesh.faceStart[face + 1]; ++c) {
-            const Vector3& p = mesh.positions[mesh.vertex[c]];
-            const Vector2 q{component(p, u), component(p, v)};
-            minX = std::min(minX, q.x), maxX = std::max(maxX, q.x);
-            minY = std::min(minY, q.y), maxY = std::max(maxY, q.y);
-            outline.push_back(q), corners.push_back(p);
+            const Vector2 q = flat(mesh.positions[mesh.vertex[c]]);
+            lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
+            upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
         }
-        auto line = std::lower_bound(lines.begin(), lines.end(), minY,
-                                     [](const Line& l, double y) { return l.at.y < y; });
-        bool known = false;
+        corners.clear();
         Vector3 normal;
-        for (; line != lines.end() && line->at.y <= maxY; ++line) {
-            const Vector2 q = line->at;
-            if (q.x < minX || q.x > maxX) continue;
-            bool inside =
-                false; // crossing number with exact sides: what two faces share is counted alike by both
-            for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-                Vector2 a = outline[j], b = outline[i];
-                if ((a.y > q.y) == (b.y > q.y)) continue;
-                if (a.y > b.y) std::swap(a, b);
-                if (orientation(a, b, q) > 0) inside = !inside;
+        lines.within(lower, upper, [&](std::uint32_t line, Vector2 at) {
+            if (corners.empty()) {
+                for (auto c = mesh.faceStart[face]; c < mesh.faceStart[face + 1]; ++c)
+                    corners.push_back(mesh.positions[mesh.vertex[c]]);
+                normal = newellNormal(corners);
             }
-            if (!inside) continue;
-            if (!known) normal = newellNormal(corners), known = true;
+            // Crossing number with exact sides: an edge that two faces share is counted alike by both.
+            bool inside = false;
+            for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
+                Vector2 a = flat(corners[j]), b = flat(corners[i]);
+                if ((a.y > at.y) == (b.y > at.y)) continue;
+                if (a.y > b.y) std::swap(a, b);
+                if (orientation(a, b, at) > 0) inside = !inside;
+            }
             const double along = component(normal, axis);
-            if (along == 0) continue;
+            if (!inside || along == 0) return;
+            const Vector2 q = flat(corners[0]);
             const double depth =
-                component(corners[0], axis) - ((q.x - outline[0].x) * component(normal, u) +
-                                               (q.y - outline[0].y) * component(normal, v)) /
-                                                  along;
-            visit(line->id, depth, along > 0 ? 1 : -1, face);
-        }
+                component(corners[0], axis) -
+                ((at.x - q.x) * component(normal, u) + (at.y - q.y) * component(normal, v)) / along;
+            visit(line, depth, along > 0 ? 1 : -1, face);
+        });
     }
 }
 
@@ -82,24 +108,24 @@ double outsideVote(const PolygonView& mesh, std::span<const std::uint32_t> faces
         double first = kInfinity, last = -kInfinity;
         int firstWinding = 0, lastWinding = 0;
     };
-    std::vector<Line> lines(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    std::vector<Vector2> at(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
     std::vector<Ends> ends;
     long votes = 0, total = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         // Off the middle of the grid's cells, where symmetric models have their edges.
         constexpr double kOffset = 0.4142;
-        std::size_t id = 0;
-        for (int j = 0; j < side; ++j)
-            for (int i = 0; i < side; ++i, ++id)
-                lines[id] = {{lower[u] + (upper[u] - lower[u]) * ((i + kOffset) / side),
-                              lower[v] + (upper[v] - lower[v]) * ((j + kOffset) / side)},
-                             static_cast<std::uint32_t>(id)};
-        ends.assign(lines.size(), {});
-        castLines(mesh, faces, axis, lines,
-                  [&](std::uint32_t l, double depth, int winding, std::uint32_t face) {
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            const auto column = static_cast<double>(i % static_cast<std::size_t>(side));
+            const auto row = static_cast<double>(i / static_cast<std::size_t>(side));
+            at[i] = {lower[u] + (upper[u] - lower[u]) * ((column + kOffset) / side),
+                     lower[v] + (upper[v] - lower[v]) * ((row + kOffset) / side)};
+        }
+        ends.assign(at.size(), {});
+        castLines(mesh, faces, axis, Lines(at),
+                  [&](std::uint32_t line, double depth, int winding, std::uint32_t face) {
                       if (flipped[face]) winding = -winding;
-                      Ends& e = ends[l];
+                      Ends& e = ends[line];
                       if (depth < e.first)
                           e.first = depth, e.firstWinding = winding;
                       else if (depth == e.first && winding != e.firstWinding)
@@ -119,13 +145,10 @@ double outsideVote(const PolygonView& mesh, std::span<const std::uint32_t> faces
 
 std::vector<char> insideOf(const PolygonView& mesh, std::span<const std::uint32_t> faces,
                            std::span<const Vector3> points) {
-    std::vector<Line> lines;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        lines.push_back({{points[i].x, points[i].y}, static_cast<std::uint32_t>(i)});
-    std::sort(lines.begin(), lines.end(),
-              [](const Line& a, const Line& b) { return a.at.y < b.at.y; });
+    std::vector<Vector2> at;
+    for (const Vector3& p : points) at.push_back({p.x, p.y});
     std::vector<char> inside(points.size(), 0);
-    castLines(mesh, faces, 2, lines, [&](std::uint32_t l, double depth, int, std::uint32_t) {
+    castLines(mesh, faces, 2, Lines(at), [&](std::uint32_t l, double depth, int, std::uint32_t) {
         if (depth > points[l].z) inside[l] ^= 1;
     });
     return inside;

@@ -297,8 +297,8 @@ std::vector<std::string> Import::notes(bool solid) const {
     say(zeroNormals, "normal without length was not used", "normals without length were not used");
     say(turnedNormals, "triangle had its normals turned to the side it faces",
         "triangles had their normals turned to the side they face");
-    say(crossedFaces, "face crosses itself; its triangles overlap",
-        "faces cross themselves; their triangles overlap");
+    say(crossedFaces, "face crosses itself in its best-fit plane; its triangles overlap",
+        "faces cross themselves in their best-fit planes; their triangles overlap");
     if (solid)
         say(summary.openEdges, "open edge: the solid is not closed",
             "open edges: the solid is not closed");

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -178,11 +179,58 @@ private:
                 if (!pairedInFile[h]) return false;
             return true;
         };
+        std::erase_if(twins, [&](const Twin& t) { return joined(t.face) && joined(t.earlier); });
+        const std::vector<char> lens = findLenses(groups, twins);
         for (const Twin& t : twins) {
-            if (dropped(t.face) || (joined(t.face) && joined(t.earlier))) continue;
+            if (dropped(t.face)) continue;
+            if (t.reversed && lens[t.earlier] && twin_[t.earlier] == kNone) {
+                twin_[t.face] = t.earlier, twin_[t.earlier] = t.face;
+                continue;
+            }
+            if (twin_[t.face] != kNone) continue;
             drop(source_[t.face],
                  t.reversed ? FaceReason::reversedDuplicate : FaceReason::duplicate);
         }
+    }
+
+    /// A patch of doubled faces that hangs on a body, both sides of it on edges that are closed without it, is a body without thickness. Where it
+    /// fills a hole of single faces, or stands alone, one side of it is a sheet and the other a duplicate. Per face: is
+    /// it of the first kind? Decided by the number of single faces on the edges of the patch.
+    std::vector<char> findLenses(const EdgeGroups& groups, const std::vector<Twin>& twins) {
+        twin_.assign(faceCount(), kNone);
+        std::vector<std::uint32_t> patch(faceCount(), kNone); // parent in a forest of patches
+        for (const Twin& t : twins) patch[t.face] = patch[t.earlier] = t.earlier;
+        for (const Twin& t : twins) patch[t.earlier] = t.earlier;
+        const auto root = [&](std::uint32_t f) {
+            while (patch[f] != f) f = patch[f] = patch[patch[f]];
+            return f;
+        };
+        groups.forEach([&](std::span<const std::uint32_t> group) {
+            std::uint32_t first = kNone;
+            for (const std::uint32_t h : group) {
+                if (patch[face_[h]] == kNone) continue;
+                const std::uint32_t r = root(face_[h]);
+                if (first == kNone)
+                    first = r;
+                else
+                    patch[std::max(first, r)] = std::min(first, r), first = std::min(first, r);
+            }
+        });
+        std::vector<int> votes(faceCount(), 0);
+        groups.forEach([&](std::span<const std::uint32_t> group) {
+            std::uint32_t any = kNone, singles = 0;
+            for (const std::uint32_t h : group) {
+                if (patch[face_[h]] == kNone)
+                    ++singles;
+                else
+                    any = face_[h];
+            }
+            if (any != kNone && singles != 0) votes[root(any)] += singles % 2 == 0 ? 1 : -1;
+        });
+        std::vector<char> lens(faceCount(), 0);
+        for (std::uint32_t f = 0; f < faceCount(); ++f)
+            if (patch[f] != kNone) lens[f] = votes[root(f)] > 0;
+        return lens;
     }
 
     /// Pairs of half-edges of a group that exactly two faces of the file share by index.
@@ -204,19 +252,40 @@ private:
 
     // ---- edges ----------------------------------------------------------------------------------------------------
 
+    enum class Flatness : char { none, nearly, exactly };
+
+    /// Triangles thinner than the rounding of single precision, in which most files were made, and faces whose corners
+    /// lie on a line.
     void findFlatFaces() {
+        double coordinate = 0;
+        for (const Vector3& p : file_.positions)
+            coordinate = std::max({coordinate, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+        // Three corners, each off by half a unit in the last place in two directions.
+        const double thin = 2 * std::numeric_limits<float>::epsilon() * coordinate;
         for (std::uint32_t f = 0; f < faceCount(); ++f) {
             const std::uint32_t first = start_[f];
-            bool flat = true;
-            for (std::uint32_t h = first + 2; h < start_[f + 1] && flat; ++h)
-                flat = collinear(position(first), position(first + 1), position(h));
-            if (!flat) continue;
-            if (flat_.empty()) flat_.assign(faceCount(), 0);
-            flat_[f] = 1;
+            Flatness flatness = Flatness::none;
+            if (cornersOf(f) == 3) {
+                const Vector3 ab = position(first + 1) - position(first);
+                const Vector3 ac = position(first + 2) - position(first);
+                const Vector3 bc = ac - ab;
+                const double longest = std::sqrt(std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)}));
+                if (length(cross(ab, ac)) <= thin * longest) flatness = Flatness::nearly;
+            }
+            if (cornersOf(f) != 3 || flatness == Flatness::nearly) {
+                bool flat = true;
+                for (std::uint32_t h = first + 2; h < start_[f + 1] && flat; ++h)
+                    flat = collinear(position(first), position(first + 1), position(h));
+                if (flat) flatness = Flatness::exactly;
+            }
+            if (flatness == Flatness::none) continue;
+            if (flat_.empty())
+                flat_.assign(faceCount(), Flatness::none), crowded_.assign(faceCount(), 0);
+            flat_[f] = flatness;
         }
     }
 
-    bool isFlat(std::uint32_t f) const { return !flat_.empty() && flat_[f]; }
+    bool isFlat(std::uint32_t f) const { return !flat_.empty() && flat_[f] != Flatness::none; }
 
     void join(std::uint32_t a, std::uint32_t b) {
         // A face that runs the same way twice along one edge has no other side there.
@@ -225,39 +294,51 @@ private:
         out_.mate[a] = b, out_.mate[b] = a;
     }
 
-    /// The half-edges of an edge are joined in twos: those that the file joins by index first, then two that are left.
-    /// Faces without area join what is open without them.
+    /// The half-edges of an edge are joined in twos: those that the file joins by index first, then two
+    /// that are left, then twins with each other. Faces without area join what is open without them.
     void matchEdges(const EdgeGroups& groups) {
         out_.mate.assign(vertex_.size(), kNone);
-        std::vector<std::uint32_t> here, flat;
+        std::vector<std::uint32_t> here, twins, flat;
+        const auto joinTwo = [&](std::vector<std::uint32_t>& two) {
+            if (two.size() == 2) join(two[0], two[1]), two.clear();
+        };
         groups.forEach([&](std::span<const std::uint32_t> group) {
             if (group.size() == 2 && !dropped(face_[group[0]]) && !dropped(face_[group[1]]))
                 return join(group[0], group[1]);
             if (group.size() < 2) return;
-            here.clear(), flat.clear();
-            for (const std::uint32_t h : group)
-                if (!dropped(face_[h])) (isFlat(face_[h]) ? flat : here).push_back(h);
-            if (here.size() > 2) {
+            here.clear(), twins.clear(), flat.clear();
+            for (const std::uint32_t h : group) {
+                const std::uint32_t f = face_[h];
+                if (dropped(f)) continue;
+                (isFlat(f)                             ? flat
+                 : !twin_.empty() && twin_[f] != kNone ? twins
+                                                       : here)
+                    .push_back(h);
+            }
+            if (here.size() + twins.size() > 2) {
                 ++out_.summary.nonManifoldEdges;
                 forEachFilePair(here, [&](std::uint32_t a, std::uint32_t b) { join(a, b); });
                 std::erase_if(here, [&](std::uint32_t h) { return out_.mate[h] != kNone; });
             }
-            if (here.size() == 2) join(here[0], here[1]), here.clear();
+            if (!flat.empty() && here.size() + twins.size() >= 2)
+                for (const std::uint32_t h : flat) crowded_[face_[h]] = 1;
+            joinTwo(here), joinTwo(twins);
             here.insert(here.end(), flat.begin(), flat.end());
-            if (here.size() == 2) join(here[0], here[1]);
+            joinTwo(here);
         });
     }
 
-    /// Faces without area are never seen. They stay while the search for components walks over them, where all their edges are joined.
+    /// Faces without area are never seen; thin ones are. Either is dropped where it only hangs on an edge that others close, and its own are
+    /// open. The rest stays to join its neighbours.
     void dropFlatFaces() {
         if (flat_.empty()) return;
         std::vector<std::uint32_t> work;
         for (std::uint32_t f = 0; f < faceCount(); ++f)
-            if (flat_[f] && !dropped(f)) work.push_back(f);
+            if (isFlat(f) && !dropped(f)) work.push_back(f);
         while (!work.empty()) {
             const std::uint32_t f = work.back();
             work.pop_back();
-            if (dropped(f)) continue;
+            if (dropped(f) || (flat_[f] == Flatness::nearly && !crowded_[f])) continue;
             bool open = false;
             for (std::uint32_t h = start_[f]; h < start_[f + 1]; ++h) open |= out_.mate[h] == kNone;
             if (!open) continue;
@@ -266,7 +347,7 @@ private:
                 const std::uint32_t m = std::exchange(out_.mate[h], kNone);
                 if (m == kNone) continue;
                 out_.mate[m] = kNone;
-                if (flat_[face_[m]]) work.push_back(face_[m]);
+                if (isFlat(face_[m])) work.push_back(face_[m]);
             }
         }
     }
@@ -561,7 +642,7 @@ private:
                 outcome = {FaceAction::flipped, inverted_[component_[f]]
                                                     ? FaceReason::insideOut
                                                     : FaceReason::againstNeighbours};
-            if (isFlat(f))
+            if (isFlat(f) && flat_[f] == Flatness::exactly)
                 drop(source_[f], FaceReason::zeroArea); // it stays to connect its neighbours
             out_.sourceFace.push_back(source_[f]);
             out_.faceStart.push_back(static_cast<std::uint32_t>(out_.corners.size()));
@@ -581,7 +662,10 @@ private:
     std::vector<std::uint32_t> start_, source_; // per face
     std::vector<std::uint32_t> vertex_, corner_,
         face_;                             // per corner: welded vertex, corner of the file, face
-    std::vector<char> flat_, flipped_;     // per face; flat_ empty: none
+    std::vector<char> flipped_;            // per face; flat_ empty: none
+    std::vector<Flatness> flat_;           // per face; empty: none is
+    std::vector<char> crowded_;            // per face: lies on an edge that two others close
+    std::vector<std::uint32_t> twin_;      // per face: its reversed copy, where both stay
     std::vector<std::uint32_t> component_; // per face
     std::vector<Component> components_;
     std::vector<std::uint32_t> faces_, componentStart_{0}; // faces by component

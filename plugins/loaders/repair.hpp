@@ -24,9 +24,9 @@ enum class FaceReason : std::uint8_t {
     insideOut,         // flipped: with its whole component, which was wound inward
     fewCorners,        // dropped: less than three corners in the file
     repeatedCorner,    // dropped: less than three distinct positions
-    zeroArea,          // dropped: all corners on one line
-    duplicate,         // dropped: an earlier face has the same corners
-    reversedDuplicate  // dropped: an earlier face has the same corners the other way round
+    zeroArea,  // dropped: all corners on one line, or a hanging sliver thinner than f32 resolves
+    duplicate, // dropped: an earlier face has the same corners
+    reversedDuplicate // dropped: an earlier face has the same corners the other way round
 };
 
 const char* text(FaceAction);

@@ -43,23 +43,45 @@ bool Triangulator::cut(std::span<const Vector3> polygon, std::vector<Triangle>& 
         return true;
     }
     const Vector3 normal = newellNormal(polygon);
-    const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
-    if (x == 0 && y == 0 && z == 0) { // no plane shows it: a fan has as little area
+    if (normal == Vector3{}) { // no plane shows it: a fan has as little area
         for (std::uint32_t i = 1; i + 1 < n; ++i) triangles.push_back({0, i, i + 1});
         return false;
     }
-    // Dropping one coordinate keeps the others as they were written: the predicates stay exact. The two that
-    // are left change places where that makes the polygon run counter-clockwise.
-    points_.resize(n);
-    for (std::uint32_t i = 0; i < n; ++i) {
+    // Dropping one coordinate keeps the others as they were written: the predicates are exact.
+    project(polygon, normal, false);
+    if (cutProjected(polygon, triangles)) return true;
+    // A polygon that is not flat may cross itself there and not in its own plane.
+    project(polygon, normal, true);
+    std::vector<Triangle> inPlane;
+    const bool clean = cutProjected(polygon, inPlane);
+    if (clean) triangles = std::move(inPlane);
+    return clean;
+}
+
+void Triangulator::project(std::span<const Vector3> polygon, const Vector3& normal,
+                           bool alongNormal) {
+    const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
+    const int axis = z >= x && z >= y ? 2 : x >= y ? 0 : 1;
+    const auto at = [](const Vector3& p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; };
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const double depth = at(normal, axis);
+    points_.resize(polygon.size());
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vector3& p = polygon[i];
-        Vector2 q = z >= x && z >= y ? Vector2{p.x, p.y}
-                    : x >= y         ? Vector2{p.y, p.z}
-                                     : Vector2{p.z, p.x};
-        if ((z >= x && z >= y ? normal.z : x >= y ? normal.x : normal.y) < 0) std::swap(q.x, q.y);
+        Vector2 q{at(p, u), at(p, v)};
+        if (alongNormal) {
+            const double w = at(p, axis) - at(polygon[0], axis);
+            q.x -= at(normal, u) / depth * w;
+            q.y -= at(normal, v) / depth * w;
+        }
+        if (depth < 0) std::swap(q.x, q.y); // so that the polygon runs counter-clockwise
         points_[i] = q;
     }
-    return n == 4 ? quad(polygon, triangles) : clipEars(triangles);
+}
+
+bool Triangulator::cutProjected(std::span<const Vector3> polygon,
+                                std::vector<Triangle>& triangles) {
+    return polygon.size() == 4 ? quad(polygon, triangles) : clipEars(triangles);
 }
 
 bool Triangulator::quad(std::span<const Vector3> polygon, std::vector<Triangle>& triangles) const {

@@ -18,14 +18,15 @@ class Triangulator {
 public:
     using Triangle = std::array<std::uint32_t, 3>;
 
-    /// n - 2 triangles over the corners 0 .. n - 1 of `polygon` (n >= 3), wound as the polygon. Orientations are exact in
-    /// the coordinate plane most nearly parallel to it. A simple polygon is cut without overlap, so the areas add up to its own in that plane. Quads are
-    /// cut along the shorter valid diagonal. The result depends on the positions and on which corner is
-    /// first, not on the direction of the list's origin in memory.
-    /// False: the polygon crosses itself there, so that some triangle overlaps another.
+    /// n - 2 triangles over the corners 0 .. n - 1 of `polygon` (n >= 3), wound as the polygon. A simple polygon is
+    /// cut without overlap, so that the areas add up to its own; quads along the shorter valid diagonal. Judged in the coordinate
+    /// plane most nearly parallel to the polygon, where orientations are exact; where an uneven polygon crosses itself
+    /// there, in its best-fit plane. False: it crosses itself there too, and some triangle overlaps another.
     bool cut(std::span<const Vector3> polygon, std::vector<Triangle>& triangles);
 
 private:
+    void project(std::span<const Vector3> polygon, const Vector3& normal, bool alongNormal);
+    bool cutProjected(std::span<const Vector3> polygon, std::vector<Triangle>& triangles);
     bool quad(std::span<const Vector3> polygon, std::vector<Triangle>& triangles) const;
     bool clipEars(std::vector<Triangle>& triangles);
     bool isEar(std::uint32_t i) const;
