@@ -34,6 +34,11 @@ inline constexpr double kSeamStep = 1e-9;
 /// STABILITY.md R4: a white furnace, against 1.
 inline constexpr double kFurnace = 1e-12;
 
+/// Angle-weighted corner normals against a sum in extended precision: the bar of the mesh issue.
+inline constexpr double kCornerNormal = 1e-12;
+/// Angles between vectors in radians, from 2^-100 to pi, against the same.
+inline constexpr double kAngle = 1e-15;
+
 /// Numbers of other programs: half a unit of the last printed digit, a tenth more for their own f32 sums.
 inline constexpr double kPrintedDigits = 1.1;
 

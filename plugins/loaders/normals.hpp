@@ -30,7 +30,7 @@ struct CornerNormals {
 CornerNormals cornerNormals(const ConnectedTriangles& mesh, std::span<const std::uint32_t> smooth,
                             Radians creaseAngle);
 
-/// Angle between two vectors, in [0, pi], within 4e-16; the same bits on every CPU. 0 when either is 0.
+/// Angle between two vectors, in [0, pi], within 1e-15; the same bits on every CPU. 0 when either is 0.
 double angleBetween(const Vector3& a, const Vector3& b);
 
 } // namespace rt::loaders

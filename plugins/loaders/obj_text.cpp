@@ -62,7 +62,8 @@ private:
     void endOfNumbers(const char* statement) {
         text_.skipBlanks();
         if (!text_.statementEnds())
-            text_.fail("unexpected " + quoted(text_.word()) + " at the end of '" + statement + "'");
+            text_.fail("unexpected " + quoted(text_.peekWord()) + " at the end of '" + statement +
+                       "'");
         text_.skipLine();
     }
 
@@ -140,7 +141,7 @@ private:
             value = 10 * value + static_cast<unsigned>(*p++ - '0');
         if (p == first || !(isBlank(*p) || isLineEnd(*p) || *p == '/' || *p == '#' || isDigit(*p)))
             text_.fail(from, std::string("the ") + kListNames[list] +
-                                 " index is not an integer: " + quoted(text_.word()));
+                                 " index is not an integer: " + quoted(text_.peekWord()));
         while (isDigit(*p)) ++p;
         text_.at = p;
         const auto size = sizeOf(list);
@@ -180,7 +181,8 @@ private:
                         normal = index(kNormal);
                 }
                 if (!isBlank(*text_.at) && !text_.statementEnds())
-                    text_.fail("a corner is v, v/t, v//n or v/t/n, not " + quoted(text_.word()));
+                    text_.fail("a corner is v, v/t, v//n or v/t/n, not " +
+                               quoted(text_.peekWord()));
             }
             putOptional(mesh_.cornerUv, uv);
             putOptional(mesh_.cornerNormal, normal);

@@ -38,7 +38,7 @@ struct Element {
 
     std::optional<std::size_t> find(std::initializer_list<std::string_view> names,
                                     bool list) const {
-        for (const std::string_view name : names)
+        for (const std::string_view wanted : names)
             for (std::size_t i = 0; i < properties.size(); ++i)
                 if (properties[i].name == wanted && properties[i].countType.has_value() == list)
                     return i;
@@ -133,7 +133,7 @@ private:
         else if (line_ == 1 && at_ + 1 < bytes_.size() && bytes_[at_] == '\r' &&
                  bytes_[at_ + 1] == '\n')
             crlf_ = true, ++at_;
-        ++at_;
+        if (at_ < bytes_.size()) ++at_;
         return line;
     }
 

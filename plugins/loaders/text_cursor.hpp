@@ -46,6 +46,12 @@ public:
         while (!isBlank(*at) && !isLineEnd(*at)) ++at;
         return {from, static_cast<std::size_t>(at - from)};
     }
+    /// The same, without moving.
+    std::string_view peekWord() const {
+        const char* to = at;
+        while (!isBlank(*to) && !isLineEnd(*to)) ++to;
+        return {at, static_cast<std::size_t>(to - at)};
+    }
     /// The rest of the line without blanks around it and without a comment, which here begins with '#'
     /// behind a blank. Leaves the cursor at the end of the line.
     std::string_view restOfLine();

@@ -39,7 +39,7 @@ public:
                 if (negative[n] != kNone) return;
                 negative[n] = normals++;
                 const Vector3& v = file_.normals[n];
-                numbers("vn", {-v.x, -v.y, -v.z});
+                numbers("vn", {0 - v.x, 0 - v.y, 0 - v.z});
             });
         });
 
