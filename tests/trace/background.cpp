@@ -1,12 +1,15 @@
 #include <core/numeric/angle.hpp>
 #include <core/trace/background.hpp>
 #include <core/trace/direction.hpp>
+#include <formats/image_reader.hpp>
 #include <tests/tolerance.hpp>
 #include <tests/trace/scene_maker.hpp>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
 namespace rt::trace {
@@ -60,6 +63,32 @@ TEST(LatLong, isAccurateAtThePole) {
         const double v = latLongUv({std::sin(angle), 0, std::cos(angle)}).y;
         EXPECT_NEAR((1 - v) * std::numbers::pi, angle, tolerance::roundings(16));
     }
+}
+
+// A panorama whose colors are its directions: (d + 1) / 2, its own +y up, -z in the middle, +x right.
+TEST(LatLong, agreesWithAPictureOfDirections) {
+    const char* const named = std::getenv("RT_DATA");
+    const std::string path = std::string(named ? named : RT_DATA_DIR) + "/sky/dirmap.png";
+    if (!std::filesystem::exists(path))
+        GTEST_SKIP() << "no " << path << "; RT_DATA names its folder";
+    scene::Diagnostics diagnostics;
+    formats::ReadPictureOptions options;
+    options.encoding = scene::Encoding::linear;
+    const auto picture = formats::readPicture(path, options, diagnostics);
+    ASSERT_TRUE(picture);
+    const image::Framebuffer& map = picture->frame;
+    // Half a texel of 2 pi / 1024 is 0.0031 rad, and 8 bits of a color 1 / 255 in the direction.
+    const double slack = std::numbers::pi / map.width + 1.0 / 255;
+    for (double azimuth = 0.01; azimuth < 6.28; azimuth += 0.037)
+        for (double height = -0.99; height < 1; height += 0.11) {
+            const double flat = std::sqrt(1 - height * height);
+            const Vec3 d{flat * std::sin(azimuth), flat * std::cos(azimuth), height};
+            const Vec2 uv = latLongUv(d);
+            const LinearRgb& c = map.at(static_cast<std::uint32_t>(uv.x * map.width),
+                                        static_cast<std::uint32_t>((1 - uv.y) * map.height));
+            const Vec3 shown{2 * c.r - 1, 1 - 2 * c.b, 2 * c.g - 1};
+            ASSERT_LE(length(shown - d), 2 * slack) << azimuth << ' ' << height;
+        }
 }
 
 // LEGACY.md section 4, with its numbers written out.
