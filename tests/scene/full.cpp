@@ -34,7 +34,7 @@ TEST(FullScene, FillsInEveryDefault) {
               "  sampling: center\n"
               "  near_plane: none\n"
               "  cutoff: 0\n"
-              "  octree: {max_objects: 8, min_size: 0}\n"
+              "  octree: {max_objects: 16, min_size: 0}\n"
               "background:\n"
               "  color: [0, 0, 0]\n"
               "objects:\n"
