@@ -22,6 +22,7 @@ constexpr std::size_t kHelpWidth = 80;
 constexpr std::size_t kHelpColumn = 26; // where the text beside an option begins
 
 const std::vector<std::string> kImageSuffixes{"png", "jpg", "jpeg", "bmp", "exr", "pfm"};
+const std::vector<std::string> kOnOff{"on", "off"};
 const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"};
 const std::vector<std::string> kProgressStyles{"auto", "bar", "plain", "none"};
 const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
@@ -237,6 +238,7 @@ public:
         root_->flag("--version", "Show the version and how it was built.", versionFlag_);
 
         addRender();
+        addView();
         addCheck();
         addInfo();
         addSchema();
@@ -294,6 +296,7 @@ private:
     }
 
     void addRender();
+    void addView();
     void addCheck();
     void addInfo();
     void addSchema();
@@ -318,6 +321,7 @@ private:
     bool versionFlag_ = false;
     std::string helpTopic_;
     RenderOptions render_;
+    ViewOptions view_;
     CheckOptions check_;
     InfoOptions info_;
     SchemaOptions schema_;
@@ -406,6 +410,26 @@ void Program::addRender() {
     c.flagWithWord("--stats", "[=FILE.json]",
                    "Report times, rays, tests and the octree on stderr, or as JSON in a file.",
                    [&o](const std::string& word) { o.statistics = true, o.statisticsFile = word; });
+}
+
+void Program::addView() {
+    Command& c = add("view", "Fly through a scene in a window; H shows the keys.",
+                     "rt view scene.yaml                             # W A S D and the mouse\n"
+                     "rt view scene.yaml --set render.depth=2        # lighter, so faster\n"
+                     "rt view scene.yaml --script keys.txt --record shown  # without a window\n");
+    ViewOptions& o = view_;
+    c.argument("scene", "SCENE", "The scene, a YAML file.", o.scene);
+    c.option(
+        "-t,--threads", "N", "Threads to use; 0, the default, is all that the process may use.",
+        [&o](const std::string& word) { o.threads = static_cast<int>(parseWhole(word, 0, 1024)); });
+    c.option("--script", "FILE", "Replay keys and mouse from a file instead of opening a window.",
+             [&o](const std::string& word) { o.script = checkedOutput(word); });
+    c.option("--record", "DIR", "With --script: keep every picture shown, and shown.tsv.",
+             [&o](const std::string& word) { o.record = checkedOutput(word); });
+    c.option("--overlay", choiceName(kOnOff),
+             "Rates and the resolution over the picture; by default in a window only.",
+             [&o](const std::string& word) { o.overlay = parseChoice(word, kOnOff) == 0; });
+    addSceneOptions(c, o);
 }
 
 void Program::addCheck() {
@@ -614,6 +638,7 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     if (line.command == "info") line.options = info_;
     if (line.command == "schema") line.options = schema_;
     if (line.command == "convert") line.options = convert_;
+    if (line.command == "view") line.options = view_;
     if (line.command == "compare") line.options = compare_;
     if (line.command == "plugins") line.options = plugins_;
     if (line.command == "new") {

@@ -47,6 +47,14 @@ struct RenderOptions : SceneOptions {
     std::string statisticsFile; // empty: a table on stderr
 };
 
+struct ViewOptions : SceneOptions {
+    std::string scene;
+    std::string script; // empty: a window
+    std::string record; // folder; empty: nothing is kept
+    int threads = 0;    // 0: all that the process may use
+    std::optional<bool> overlay; // none: in a window only
+};
+
 struct CheckOptions : SceneOptions {
     std::vector<std::string> scenes;
 };
@@ -112,7 +120,7 @@ struct HelpText {
 struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
-    std::variant<HelpText, RenderOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
+    std::variant<HelpText, RenderOptions, ViewOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
                  CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
                  VersionOptions>
         options;

@@ -1,6 +1,7 @@
 // Affine maps, named destination-from-source. Points, directions and normals are three verbs.
 #pragma once
 #include <core/numeric/angle.hpp>
+#include <core/numeric/box.hpp>
 #include <core/numeric/rounding.hpp>
 #include <core/numeric/vec.hpp>
 
@@ -57,6 +58,25 @@ inline std::optional<double> AffineTransform::similarityScale() const {
 
 inline AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
     return {a.linear * b.linear, a.linear * b.translation + a.translation};
+}
+
+/// The box of a box: per axis the extremes of a sum of four terms, whose rounding γ(8) bounds relative to the terms'
+/// magnitudes.
+inline Box3d boundsOf(const AffineTransform& transform, const Box3d& from) {
+    if (transform.isIdentity()) return from;
+    Box3d box;
+    for (int axis = 0; axis < 3; ++axis) {
+        double least = transform.translation[axis], most = least, magnitude = std::fabs(least);
+        for (int k = 0; k < 3; ++k) {
+            const double m = transform.linear[k][axis], p = m * from.min[k], q = m * from.max[k];
+            least += p < q ? p : q;
+            most += p < q ? q : p;
+            magnitude += std::fabs(m) * std::fmax(std::fabs(from.min[k]), std::fabs(from.max[k]));
+        }
+        box.min[axis] = least - gamma(8) * magnitude;
+        box.max[axis] = most + gamma(8) * magnitude;
+    }
+    return box;
 }
 
 /// Right-handed turn about the axis through the origin; `axis` of any finite length but 0. Through

@@ -290,30 +290,6 @@ rt_status Sink::addCustom(const rt_custom& custom) {
     return addCustomIn(custom);
 }
 
-namespace {
-
-/// The world-space box of an object-space box: per axis the extremes of a sum of four terms, whose rounding
-/// γ(4) bounds relative to the terms' magnitudes.
-geometry::Box3d worldBounds(const numeric::AffineTransform& frame, const Vec3& lower,
-                            const Vec3& upper) {
-    if (frame.isIdentity()) return {lower, upper};
-    geometry::Box3d box;
-    for (int axis = 0; axis < 3; ++axis) {
-        double least = frame.translation[axis], most = least, magnitude = std::fabs(least);
-        for (int k = 0; k < 3; ++k) {
-            const double m = frame.linear[k][axis], p = m * lower[k], q = m * upper[k];
-            least += p < q ? p : q;
-            most += p < q ? q : p;
-            magnitude += std::fabs(m) * std::fmax(std::fabs(lower[k]), std::fabs(upper[k]));
-        }
-        box.min[axis] = least - numeric::gamma(8) * magnitude;
-        box.max[axis] = most + numeric::gamma(8) * magnitude;
-    }
-    return box;
-}
-
-} // namespace
-
 rt_status Sink::addCustomIn(const rt_custom& custom) {
     if (custom.primitive_count == 0)
         return refuse(kBadGeometry, "the custom shape has no primitives");
@@ -325,7 +301,7 @@ rt_status Sink::addCustomIn(const rt_custom& custom) {
         if (!(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z))
             return refuse(kBadGeometry,
                           "the bounds of primitive " + number(i) + " are empty or not a number");
-        boxes[i] = worldBounds(target_.worldFromObject, lower, upper);
+        boxes[i] = numeric::boundsOf(target_.worldFromObject, {lower, upper});
         if (!isUsable(boxes[i].min, "the box of primitive", i) ||
             !isUsable(boxes[i].max, "the box of primitive", i))
             return RT_FAILED;

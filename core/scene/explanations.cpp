@@ -214,6 +214,15 @@ known only when the mesh can be read.)"},
      R"(The file exists, but may not be read, or reading it failed.)"},
     {Code{403}, "not a regular file",
      R"(Only regular files are read: no folders, pipes, sockets or devices.)"},
+    {Code{405}, "not a viewer script",
+     R"(rt view --script reads one command a line; a # starts a comment:
+
+    key NAME [COUNT]      a character, or: space esc left right up down
+    click X Y             press and release at a pixel
+    drag X0 Y0 X1 Y1      press, move, release
+    wheel STEPS X Y       positive: away from you
+    wait                  until the picture is final
+    pause MILLISECONDS)"},
     {Code{410}, "not an .inf or movie file", R"(The file is no text.)"},
     {Code{420}, "mesh file that cannot be used",
      R"(The loader of the file cannot make geometry of it; its message says where and why.)"},

@@ -1,0 +1,438 @@
+#include <core/view/viewer.hpp>
+
+#include <core/geometry/surface.hpp>
+#include <core/image/quantize.hpp>
+#include <core/trace/camera.hpp>
+#include <core/trace/render.hpp>
+#include <core/view/fly_camera.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <optional>
+
+namespace rt::view {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using numeric::Radians;
+using numeric::Vec3;
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+constexpr double kTurn = 3 * numeric::kRadiansPerDegree;
+constexpr std::uint32_t kCoarsest = 8;       // a coarse picture has 1/8 of the width and height
+constexpr int kIdlePoll = 20, kBusyPoll = 2; // milliseconds between looks at the keyboard
+constexpr double kWatchSeconds = 0.25;
+
+// X11 key symbols that OpenCV passes on.
+constexpr int kEscape = 27, kLeft = 0xff51, kUp = 0xff52, kRight = 0xff53, kDown = 0xff54;
+
+std::string number(double x, int digits) {
+    char buffer[64];
+    return {
+        buffer,
+        std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
+}
+
+std::string vector(const Vec3& v) {
+    return "[" + number(v.x, 6) + ", " + number(v.y, 6) + ", " + number(v.z, 6) + "]";
+}
+
+/// Each pixel of `small` becomes a block; the last row and column may be cut.
+Picture enlarged(const Picture& small, std::uint32_t width, std::uint32_t height) {
+    Picture big{width, height, std::vector<std::uint8_t>(std::size_t(width) * height * 3)};
+    for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x) {
+            const std::size_t from =
+                (std::size_t(y * small.height / height) * small.width + x * small.width / width) *
+                3;
+            std::copy_n(&small.rgb[from], 3, &big.rgb[(std::size_t(y) * width + x) * 3]);
+        }
+    return big;
+}
+
+Picture quantized(const image::Framebuffer& frame, scene::Encoding encoding) {
+    Picture picture{frame.width, frame.height, std::vector<std::uint8_t>(frame.pixels.size() * 3)};
+    const auto code = encoding == scene::Encoding::srgb ? image::srgb8 : image::linear8;
+    for (std::size_t i = 0; i < frame.pixels.size(); ++i) {
+        picture.rgb[3 * i] = code(frame.pixels[i].r);
+        picture.rgb[3 * i + 1] = code(frame.pixels[i].g);
+        picture.rgb[3 * i + 2] = code(frame.pixels[i].b);
+    }
+    return picture;
+}
+
+/// Levels of a picture, coarse to fine: divisors of the size, then the scene's own antialiasing.
+struct Level {
+    std::uint32_t divisor = kCoarsest;
+    bool full = false; // the scene's own settings: what `rt render` would write
+
+    Level finer() const { return divisor > 1 ? Level{divisor / 2, false} : Level{1, true}; }
+    std::string name(const scene::Image& image) const {
+        if (full) return "final";
+        return std::to_string((image.width + divisor - 1) / divisor) + "x" +
+               std::to_string((image.height + divisor - 1) / divisor);
+    }
+};
+
+class Viewer {
+public:
+    Viewer(std::shared_ptr<const Stage> stage, Display& display, const Services& services,
+           const ViewOptions& options)
+        : stage_(std::move(stage)), display_(display), services_(services), options_(options),
+          fly_(stage_->description.camera) {
+        speed_ = defaultSpeed();
+    }
+
+    void run() {
+        restart();
+        while (!quit_) {
+            if (rendering_.valid()) {
+                if (rendering_.wait_for(std::chrono::milliseconds(0)) == std::future_status::ready)
+                    finishRender();
+            } else if (pending_) {
+                startRender();
+            } else if (playing_) {
+                stepFrame(+1);
+                continue;
+            }
+            const bool idle = !rendering_.valid() && !pending_ && !playing_;
+            const auto events = display_.poll(idle ? kIdlePoll : kBusyPoll, idle);
+            if (!events) break;
+            for (const Event& event : *events) handle(event);
+            watch();
+        }
+        abandon();
+    }
+
+private:
+    struct Rendered {
+        Picture picture;
+        bool complete;
+        double seconds;
+        double rays;
+    };
+
+    // ---- rendering -----------------------------------------------------------------------------------
+
+    /// The camera, scene or mode changed: what is being rendered is out of date.
+    void restart() {
+        abandon();
+        pending_ = Level{startDivisor(), false};
+    }
+
+    /// The finest size that the last pictures say can be had in time; the finest of all if that is the final one.
+    std::uint32_t startDivisor() const {
+        std::uint32_t divisor = 1;
+        while (divisor < kCoarsest && secondsPerPixel_ * pixels(divisor) > options_.frameSeconds)
+            divisor *= 2;
+        return secondsPerPixel_ == 0 ? kCoarsest : divisor;
+    }
+    double pixels(std::uint32_t divisor) const {
+        const auto& image = stage_->description.image;
+        return double(image.width) * image.height / (double(divisor) * divisor);
+    }
+
+    void abandon() {
+        stop_ = true;
+        if (rendering_.valid()) rendering_.get();
+        stop_ = false;
+    }
+
+    scene::Description descriptionAt(const Level& level) const {
+        scene::Description description = stage_->description;
+        if (moved_) description.camera = fly_.camera();
+        if (!level.full) {
+            description.image.width = (description.image.width + level.divisor - 1) / level.divisor;
+            description.image.height =
+                (description.image.height + level.divisor - 1) / level.divisor;
+            description.render.antialias = scene::AntialiasNone{};
+            description.render.smooth = false;
+        }
+        return description;
+    }
+
+    void startRender() {
+        level_ = *pending_;
+        pending_.reset();
+        rendering_ = std::async(std::launch::async, [this, stage = stage_,
+                                                     description = descriptionAt(level_),
+                                                     shade = shade_] {
+            const auto start = Clock::now();
+            trace::Options options;
+            options.threads = options_.threads;
+            options.shade = shade;
+            options.stop = &stop_;
+            trace::Result result = trace::render(stage->octree, stage->world, description, options);
+            trace::scaleForDisplay(result.frame, shade);
+            const auto& counts = result.counts;
+            return Rendered{
+                quantized(result.frame, description.image.encoding), result.complete,
+                secondsSince(start),
+                double(counts.primary + counts.reflected + counts.refracted + counts.shadow)};
+        });
+    }
+
+    void finishRender() {
+        const Rendered done = rendering_.get();
+        if (!done.complete) return;
+        if (!level_.full) secondsPerPixel_ = done.seconds / pixels(level_.divisor);
+        megaraysPerSecond_ = done.rays / done.seconds / 1e6;
+        const auto now = Clock::now();
+        framesPerSecond_ = 1 / std::chrono::duration<double>(now - lastShown_).count();
+        lastShown_ = now;
+        const auto& image = stage_->description.image;
+        shown_ =
+            level_.divisor == 1 ? done.picture : enlarged(done.picture, image.width, image.height);
+        if (!level_.full && !playing_) pending_ = level_.finer();
+        present(level_.full);
+    }
+
+    void present(bool final) {
+        if (!options_.overlay && errors_.empty() && !help_) return display_.show(shown_, final);
+        Picture annotated = shown_;
+        std::vector<std::string> lines;
+        if (options_.overlay)
+            lines.push_back(number(framesPerSecond_, 3) + " fps  " +
+                            level_.name(stage_->description.image) + "  " +
+                            number(megaraysPerSecond_, 3) + " Mrays/s" +
+                            (frame_ ? "  frame " + std::to_string(*frame_) : ""));
+        if (help_) lines.insert(lines.end(), helpLines().begin(), helpLines().end());
+        lines.insert(lines.end(), errors_.begin(), errors_.end());
+        display_.annotate(annotated, lines);
+        display_.show(annotated, final);
+    }
+
+    // ---- input ---------------------------------------------------------------------------------------
+
+    void handle(const Event& event) {
+        switch (event.kind) {
+        case Event::Kind::key:
+            return handleKey(event.key);
+        case Event::Kind::press:
+            pressed_ = dragged_ = event;
+            return;
+        case Event::Kind::release:
+            if (pressed_ && pressed_->x == event.x && pressed_->y == event.y)
+                describe(event.x, event.y);
+            pressed_.reset();
+            return;
+        case Event::Kind::move:
+            if (!pressed_) return;
+            look(event);
+            return;
+        case Event::Kind::wheel:
+            return fly([&](double step) { fly_.move(0, event.y * step, 0); });
+        }
+    }
+
+    /// Dragging by the height of the picture turns by its vertical field of view.
+    void look(const Event& event) {
+        const auto& camera = fly_.camera();
+        const double perPixel =
+            camera.screenHeight / (camera.screenDistance * stage_->description.image.height);
+        const double yaw = (event.x - dragged_->x) * perPixel,
+                     pitch = (event.y - dragged_->y) * perPixel;
+        dragged_ = event;
+        if (yaw != 0 || pitch != 0)
+            fly([&](double) { fly_.turn(Radians{yaw}, Radians{pitch}, Radians{0}); });
+    }
+
+    template <class Change> void fly(Change change) {
+        change(speed_);
+        moved_ = true;
+        restart();
+    }
+
+    void handleKey(int key) {
+        const auto turn = [&](double yaw, double pitch, double roll) {
+            fly([&](double) {
+                fly_.turn(Radians{yaw * kTurn}, Radians{pitch * kTurn}, Radians{roll * kTurn});
+            });
+        };
+        const auto move = [&](double right, double forward, double up) {
+            fly([&](double step) { fly_.move(right * step, forward * step, up * step); });
+        };
+        switch (key) {
+        case 'w':
+            return move(0, 1, 0);
+        case 's':
+            return move(0, -1, 0);
+        case 'a':
+            return move(-1, 0, 0);
+        case 'd':
+            return move(1, 0, 0);
+        case 'r':
+            return move(0, 0, 1);
+        case 'f':
+            return move(0, 0, -1);
+        case 'q':
+            return turn(0, 0, -1);
+        case 'e':
+            return turn(0, 0, 1);
+        case 'j':
+        case kLeft:
+            return turn(1, 0, 0);
+        case 'l':
+        case kRight:
+            return turn(-1, 0, 0);
+        case 'i':
+        case kUp:
+            return turn(0, 1, 0);
+        case 'k':
+        case kDown:
+            return turn(0, -1, 0);
+        case '+':
+        case '=':
+            speed_ *= 1.5;
+            return;
+        case '-':
+            speed_ /= 1.5;
+            return;
+        case '1':
+        case '2':
+        case '3':
+        case '4':
+        case '5':
+            shade_ = static_cast<trace::Shade>(key - '1');
+            return restart();
+        case ' ':
+            playing_ = !playing_ && hasFrames();
+            return playing_ ? void() : restart();
+        case ',':
+            return stepFrame(-1);
+        case '.':
+            return stepFrame(+1);
+        case 'p':
+            return services_.savePng(shown_);
+        case 'c':
+            return services_.print(moved_ ? fly_.yaml()
+                                          : FlyCamera(stage_->description.camera).yaml());
+        case 'h':
+            help_ = !help_;
+            return present(level_.full && !rendering_.valid() && !pending_);
+        case kEscape:
+            quit_ = true;
+            return;
+        default:
+            return;
+        }
+    }
+
+    bool hasFrames() const {
+        return stage_->description.animation && stage_->description.animation->frames > 1;
+    }
+
+    void stepFrame(int step) {
+        if (!hasFrames()) return;
+        const std::uint32_t frames = stage_->description.animation->frames;
+        const std::uint32_t next =
+            (frame_.value_or(0) + frames + static_cast<std::uint32_t>(step)) % frames;
+        abandon();
+        if (auto stage = services_.frame(next)) {
+            stage_ = std::move(stage);
+            frame_ = next;
+        }
+        restart();
+    }
+
+    /// A hundredth of the scene's diagonal a key.
+    double defaultSpeed() const {
+        numeric::Box3d box;
+        const auto& primitives = stage_->world.primitives;
+        for (const auto& p : primitives.triangles.positions) box.add(p);
+        for (const auto& s : primitives.spheres)
+            box.add({s.center - Vec3(s.radius), s.center + Vec3(s.radius)});
+        for (const auto& p : primitives.parallelograms)
+            box.add(p.origin), box.add(p.origin + p.edgeU + p.edgeV);
+        for (const auto& c : primitives.customs.primitives) box.add(c.bounds);
+        return box.empty() ? 1 : numeric::length(box.diagonal()) / 100;
+    }
+
+    /// What stands at a pixel: name, material, distance from the eye, uv.
+    void describe(int x, int y) {
+        const scene::Description description = descriptionAt({1, true});
+        const auto& image = description.image;
+        if (x < 0 || y < 0 || x >= int(image.width) || y >= int(image.height)) return;
+        const trace::Camera camera(description.camera, image.width, image.height,
+                                   description.render.nearPlane);
+        const geometry::Ray ray = camera.through(x + 0.5, y + 0.5);
+        const geometry::Hit hit = stage_->octree.closest(ray);
+        if (!hit) return services_.print("background\n");
+        const geometry::Surface surface = geometry::surfaceAt(stage_->world.primitives, ray, hit);
+        services_.print(
+            stage_->world.objectNames[static_cast<std::size_t>(surface.object)] + ": material " +
+            stage_->world.materialNames[static_cast<std::size_t>(surface.material)] +
+            ", distance " + number(numeric::length(surface.position - camera.eye()), 6) +
+            ", position " + vector(surface.position) + ", uv [" + number(surface.uv.x, 6) + ", " +
+            number(surface.uv.y, 6) + "]\n");
+    }
+
+    // ---- the scene's files ---------------------------------------------------------------------------
+
+    void watch() {
+        if (secondsSince(lastWatch_) < kWatchSeconds) return;
+        lastWatch_ = Clock::now();
+        if (!services_.changed()) return;
+        Reload fresh = services_.reload();
+        errors_ = fresh.errors;
+        if (!fresh.stage)
+            return present(level_.full && !rendering_.valid() &&
+                           !pending_); // the last good picture stays
+        abandon();
+        stage_ = std::move(fresh.stage);
+        if (!moved_) fly_ = FlyCamera(stage_->description.camera);
+        frame_.reset();
+        restart();
+    }
+
+    std::shared_ptr<const Stage> stage_;
+    Display& display_;
+    const Services& services_;
+    const ViewOptions options_;
+
+    FlyCamera fly_;
+    bool moved_ = false; // until then the scene's own camera is used, to the bit
+    double speed_ = 1;   // world units a key
+    trace::Shade shade_ = trace::Shade::full;
+    std::optional<std::uint32_t> frame_;
+    bool playing_ = false, help_ = false, quit_ = false;
+    std::optional<Event> pressed_, dragged_;
+
+    std::future<Rendered> rendering_;
+    std::atomic<bool> stop_{false};
+    std::optional<Level> pending_; // to be rendered next
+    Level level_;                  // being rendered, or shown
+    Picture shown_;
+    std::vector<std::string> errors_;
+    double secondsPerPixel_ = 0, framesPerSecond_ = 0, megaraysPerSecond_ = 0;
+    Clock::time_point lastShown_ = Clock::now(), lastWatch_ = Clock::now();
+};
+
+} // namespace
+
+void run(std::shared_ptr<const Stage> stage, Display& display, const Services& services,
+         const ViewOptions& options) {
+    Viewer(std::move(stage), display, services, options).run();
+}
+
+const std::vector<std::string>& helpLines() {
+    static const std::vector<std::string> lines = {
+        "W S  forward, back        A D  left, right       R F  up, down",
+        "I K  look up, down        J L  look left, right  Q E  roll",
+        "+ -  faster, slower       drag looks around, wheel moves, click names",
+        "1 2 3 4 5  full, normals, depth, id, cost",
+        "space  play               , .  one frame back, on",
+        "P  save PNG   C  print camera   H  this help   Esc  quit",
+    };
+    return lines;
+}
+
+} // namespace rt::view
