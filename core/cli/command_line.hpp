@@ -49,9 +49,9 @@ struct RenderOptions : SceneOptions {
 
 struct ViewOptions : SceneOptions {
     std::string scene;
-    std::string script; // empty: a window
-    std::string record; // folder; empty: nothing is kept
-    int threads = 0;    // 0: all that the process may use
+    std::string script;          // empty: a window
+    std::string record;          // folder; empty: nothing is kept
+    int threads = 0;             // 0: all that the process may use
     std::optional<bool> overlay; // none: in a window only
 };
 
@@ -120,9 +120,9 @@ struct HelpText {
 struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
-    std::variant<HelpText, RenderOptions, ViewOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
-                 VersionOptions>
+    std::variant<HelpText, RenderOptions, ViewOptions, CheckOptions, InfoOptions, SchemaOptions,
+                 ConvertOptions, CompareOptions, PluginsOptions, NewOptions, ExplainOptions,
+                 CompletionOptions, VersionOptions>
         options;
 };
 

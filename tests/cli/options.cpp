@@ -82,6 +82,7 @@ std::vector<Options::Case> Options::cases() {
     write("sloppy.inf", "window 48 64 9 9 9\n" + kOldScene);
     write("film.inf", "movie 10 24\n0 move 50 50 50 0 10\n");
     renderPair();
+    write("wait.txt", "wait\n");
     write("black.pfm", "PF\n64 48\n-1.0\n" + std::string(64 * 48 * 12, '\0'));
     std::filesystem::create_directories(folder_ / "empty");
     std::vector<Case> rows{
@@ -260,7 +261,8 @@ std::vector<Options::Case> Options::cases() {
          "rt schema: error: --plugin-dir needs a value; see rt schema --help\n"},
         // ---- view
         {"view", "--script", "view scene.yaml --script wait.txt", prints(""),
-         "view scene.yaml --script", "rt view: error: --script needs a value; see rt view --help\n"},
+         "view scene.yaml --script",
+         "rt view: error: --script needs a value; see rt view --help\n"},
         {"view", "--record", "view scene.yaml --script wait.txt --record shown",
          [this](const Outcome&) { EXPECT_TRUE(exists("shown/shown.tsv")); },
          "view scene.yaml --record shown",
@@ -268,8 +270,10 @@ std::vector<Options::Case> Options::cases() {
         {"view", "--overlay", "view scene.yaml --script wait.txt --overlay off", prints(""),
          "view scene.yaml --overlay maybe",
          "rt view: error: --overlay: must be on or off (got 'maybe'); see rt view --help\n"},
-        {"view", "-t", "view scene.yaml --script wait.txt -t 1", prints(""), "view scene.yaml -t -1",
-         "rt view: error: -t, --threads: must be a whole number from 0 to 1024 (got '-1'); see rt view --help\n"},
+        {"view", "-t", "view scene.yaml --script wait.txt -t 1", prints(""),
+         "view scene.yaml -t -1",
+         "rt view: error: --threads: must be a whole number from 0 to 1024 (got '-1'); see rt "
+         "view --help\n"},
         {"view", "--set", "view scene.yaml --script wait.txt --set image.width=8", prints(""),
          "view scene.yaml --set", "rt view: error: --set needs a value; see rt view --help\n"},
         {"view", "--plugin-dir", "view scene.yaml --script wait.txt --plugin-dir empty", prints(""),

@@ -3,11 +3,14 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <functional>
+#include <memory>
 #include <thread>
 
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <xcb/xcb.h>
 
 namespace rt::cli_tests {
 
@@ -37,7 +40,9 @@ TEST_F(View, WithoutADisplayEndsWithEightAndAdvice) {
     EXPECT_EQ(unset.err, "rt view: error: there is no display: DISPLAY is not set; run it on a "
                          "desktop, over ssh -X, or with "
                          "--script FILE --record DIR\n");
-    const Outcome wrong = rt("view scene.yaml", {.environment = {"DISPLAY=:4711"}});
+    RunOptions nowhere;
+    nowhere.environment = {"DISPLAY=:4711"};
+    const Outcome wrong = rt("view scene.yaml", nowhere);
     EXPECT_EQ(wrong.exitCode, 8);
     EXPECT_EQ(wrong.err, "rt view: error: there is no display: nothing answers at DISPLAY=:4711; "
                          "run it on a desktop, over ssh -X, "
@@ -56,9 +61,11 @@ TEST_F(View, IdlePictureAfterAFlightIsThatOfRenderWithThePrintedCamera) {
     ASSERT_EQ(flown.exitCode, 0) << flown.err;
     ASSERT_TRUE(flown.out.starts_with("camera:\n")) << flown.out;
     const std::string scene = read("scene.yaml");
-    const std::size_t camera = scene.find("camera:"), end = scene.find('\n', camera);
+    const std::size_t camera = scene.find("camera:");
     ASSERT_NE(camera, std::string::npos);
-    write("flown.yaml", scene.substr(0, camera) + flown.out + scene.substr(end + 1));
+    std::size_t end = scene.find('\n', camera) + 1; // past the key and the indented lines below it
+    while (scene[end] == ' ') end = scene.find('\n', end) + 1;
+    write("flown.yaml", scene.substr(0, camera) + flown.out + scene.substr(end));
     ASSERT_EQ(rt("check flown.yaml").exitCode, 0) << rt("check flown.yaml").err;
     EXPECT_EQ(rt("render flown.yaml -o still.png").exitCode, 0);
     EXPECT_EQ(lastShown(), read("still.png"));
@@ -151,6 +158,28 @@ private:
     pid_t process_ = -1;
 };
 
+/// Sends what a window manager sends when its close button is pressed [ICCCM 4.2.8.1].
+void pressCloseButton(const std::string& display, const std::string& window) {
+    xcb_connection_t* connection = xcb_connect(display.c_str(), nullptr);
+    const auto atom = [&](const std::string& name) {
+        const auto cookie =
+            xcb_intern_atom(connection, 0, static_cast<std::uint16_t>(name.size()), name.c_str());
+        const std::unique_ptr<xcb_intern_atom_reply_t, decltype(&std::free)> reply(
+            xcb_intern_atom_reply(connection, cookie, nullptr), &std::free);
+        return reply->atom;
+    };
+    xcb_client_message_event_t event{};
+    event.response_type = XCB_CLIENT_MESSAGE;
+    event.format = 32;
+    event.window = static_cast<xcb_window_t>(std::stoul(window));
+    event.type = atom("WM_PROTOCOLS");
+    event.data.data32[0] = atom("WM_DELETE_WINDOW");
+    const auto sent = xcb_send_event_checked(connection, 0, event.window, XCB_EVENT_MASK_NO_EVENT,
+                                             reinterpret_cast<const char*>(&event));
+    EXPECT_EQ(xcb_request_check(connection, sent), nullptr); // waits until it has arrived
+    xcb_disconnect(connection);
+}
+
 /// Runs what is asked until it holds; the deadline bounds a broken program, not a slow machine.
 bool eventually(const std::function<bool()>& holds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -172,44 +201,45 @@ TEST_F(View, WindowUnderXvfbTakesKeysMouseReloadAndClose) {
     };
     const std::string good = read("scene.yaml");
 
-    const Outcome outcome = run(
-        {"view", "scene.yaml"},
-        {.environment = {"DISPLAY=" + server.display}, .seconds = 120, .whileRunning = [&](int) {
-             std::string window;
-             ASSERT_TRUE(eventually([&] {
-                 return !(window = words(xdotool("search --name 'rt view'")).empty()
-                                       ? ""
-                                       : words(xdotool("search --name 'rt view'")).back())
-                             .empty();
-             }));
-             const auto key = [&](const std::string& name) {
-                 xdotool("key --window " + window + " " + name);
-             };
-             for (const char* name :
-                  {"w", "a", "s",    "d",     "r",  "f",     "q",     "e",     "i", "j",
-                   "k", "l", "Left", "Right", "Up", "Down",  "plus",  "minus", "2", "3",
-                   "4", "5", "1",    "h",     "h",  "space", "comma", "period"})
-                 key(name);
-             key("p");
-             EXPECT_TRUE(eventually([&] { return exists("scene-view-0001.png"); }));
-             xdotool("mousemove --window " + window + " 32 24 click 1");
-             xdotool("mousemove --window " + window +
-                     " 20 20 mousedown 1 mousemove_relative 9 3 mouseup 1 click 4 click 5");
-             xdotool("windowsize " + window + " 300 240");
-             key("p"); // letters still arrive after a click
-             EXPECT_TRUE(eventually([&] { return exists("scene-view-0002.png"); }));
-             write("scene.yaml", "rt: 1\nobjects: 3\n");
-             std::this_thread::sleep_for(std::chrono::seconds(1)); // longer than the watch interval
-             key("p");
-             EXPECT_TRUE(eventually(
-                 [&] { return exists("scene-view-0003.png"); })); // the last good picture stays
-             write("scene.yaml", good);
-             std::this_thread::sleep_for(std::chrono::seconds(1));
-             key("c");
-             key("p");
-             EXPECT_TRUE(eventually([&] { return exists("scene-view-0004.png"); }));
-             xdotool("windowclose " + window);
-         }});
+    RunOptions options;
+    options.environment = {"DISPLAY=" + server.display};
+    options.seconds = 60;
+    options.whileRunning = [&](int) {
+        std::string window;
+        ASSERT_TRUE(eventually([&] {
+            const auto found = words(xdotool("search --name 'rt view'"));
+            if (!found.empty()) window = found.back();
+            return !found.empty();
+        }));
+        const auto key = [&](const std::string& name) {
+            xdotool("key --window " + window + " " + name);
+        };
+        for (const char* name :
+             {"w", "a", "s",    "d",     "r",  "f",     "q",     "e",     "i", "j",
+              "k", "l", "Left", "Right", "Up", "Down",  "plus",  "minus", "2", "3",
+              "4", "5", "1",    "h",     "h",  "space", "comma", "period"})
+            key(name);
+        key("p");
+        EXPECT_TRUE(eventually([&] { return exists("scene-view-0001.png"); }));
+        xdotool("mousemove --window " + window + " 32 24 click 1");
+        xdotool("mousemove --window " + window +
+                " 20 20 mousedown 1 mousemove_relative 9 3 mouseup 1 click 4 click 5");
+        xdotool("windowsize " + window + " 300 240");
+        key("p"); // letters still arrive after a click
+        EXPECT_TRUE(eventually([&] { return exists("scene-view-0002.png"); }));
+        write("scene.yaml", "rt: 1\nobjects: 3\n");
+        std::this_thread::sleep_for(std::chrono::seconds(1)); // longer than the watch interval
+        key("p");
+        EXPECT_TRUE(eventually(
+            [&] { return exists("scene-view-0003.png"); })); // the last good picture stays
+        write("scene.yaml", good);
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        key("c");
+        key("p");
+        EXPECT_TRUE(eventually([&] { return exists("scene-view-0004.png"); }));
+        pressCloseButton(server.display, window);
+    };
+    const Outcome outcome = run({"view", "scene.yaml"}, options);
     EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("camera:\n"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.err.find("scene.yaml:2:10: error[E03"), std::string::npos) << outcome.err;
