@@ -81,7 +81,7 @@ std::string knot(std::uint32_t along, std::uint32_t around) {
     for (std::uint32_t i = 0; i < along; ++i)
         for (std::uint32_t k = 0; k < around; ++k) {
             const std::uint32_t i1 = (i + 1) % along, k1 = (k + 1) % around;
-            obj.face({i * around + k, i * around + k1, i1 * around + k1, i1 * around + k}, "#/#/#");
+            obj.face({i * around + k, i1 * around + k, i1 * around + k1, i * around + k1}, "#/#/#");
         }
     return obj.text();
 }
