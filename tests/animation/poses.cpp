@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
                                [](const Vec3& c, double share) {
                                    return c + Vec3{0, 0.6, 0.8} * (12 * share);
                                }}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& tested) { return tested.param.name; });
 
 TEST(Poses, RotationIsRigidAndRightHanded) {
     const auto film =

@@ -279,6 +279,14 @@ std::vector<Options::Case> Options::cases() {
         {"view", "--plugin-dir", "view scene.yaml --script wait.txt --plugin-dir empty", prints(""),
          "view scene.yaml --plugin-dir",
          "rt view: error: --plugin-dir needs a value; see rt view --help\n"},
+        {"view", "--limit-pixels", "view scene.yaml --script wait.txt --limit-pixels 3072",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_EQ(rt("view scene.yaml --script wait.txt --limit-pixels 3071").exitCode, 7);
+         },
+         "view scene.yaml --limit-pixels 0",
+         "rt view: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt view --help\n"},
         {"view", "--allow-missing", "view scene.yaml --script wait.txt --allow-missing", prints(""),
          "view scene.yaml --allow-missing=1", noValue("view", "--allow-missing")},
         // ---- compare

@@ -1,0 +1,45 @@
+// The README shows what works.
+#include <tests/cli/run.hpp>
+
+#include <fstream>
+#include <iterator>
+
+namespace rt::cli_tests {
+
+namespace {
+
+std::string source(const std::string& name) {
+    std::ifstream file(std::string(RT_SOURCE_DIR) + "/" + name);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// What stands between the first line that opens with ```language and the next ```.
+std::string block(const std::string& text, const std::string& language) {
+    const std::string fence = "```" + language + "\n";
+    const std::size_t start = text.find(fence);
+    if (start == std::string::npos) return "";
+    return text.substr(start + fence.size(),
+                       text.find("```", start + fence.size()) - start - fence.size());
+}
+
+} // namespace
+
+using Readme = Cli;
+
+TEST_F(Readme, ItsSceneRenders) {
+    const std::string scene = block(source("README.md"), "yaml");
+    ASSERT_NE(scene, "");
+    write("readme.yaml", scene);
+    const Outcome outcome = rt("render readme.yaml --size 32x24");
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+}
+
+/// tests/plugin_host/consumer builds the guide's.
+TEST_F(Readme, ItsPluginIsTheGuides) {
+    const std::string plugin = block(source("README.md"), "cpp");
+    ASSERT_NE(plugin, "");
+    EXPECT_EQ(plugin, block(source("plugins/README.md"), "cpp"));
+}
+
+} // namespace rt::cli_tests
