@@ -324,13 +324,14 @@ private:
 
 // ---- types -------------------------------------------------------------------------------------------------
 
-/// Why nothing was made: a fault, unless the type merely has no use for these values.
+/// Why nothing was made: a fault, unless the type merely has no use for these values, or an example's file is not there.
 void sayWhyNotMade(const char* kind, const std::string& from, const scene::Diagnostics& diagnostics,
                    CheckReport& report, Faults& faults) {
     for (const scene::Diagnostic& d : diagnostics.all()) {
         if (d.severity != scene::Severity::error) continue;
         const std::string what = std::string(kind) + " from " + from + ": " + d.message;
-        if (d.code == kValueRefused || d.code == kMeshFile || d.code == kImageFile)
+        if (d.code == kValueRefused || d.code == kNoSuchFile || d.code == kMeshFile ||
+            d.code == kImageFile)
             report.skipped.push_back(what);
         else
             faults.add("cannot make a " + what);

@@ -98,6 +98,17 @@ TEST(Check, FindsWhatIsWrongWithATexture) {
                     "two threads get different colors."));
 }
 
+TEST(Check, SkipsExamplesWhoseFilesAreNotThere) {
+    Catalog catalog({RT_SHIPPED_PLUGINS});
+    const auto example = test::instance(catalog, TypeKind::texture, "image",
+                                        {{"file", std::string("/no/wood.png")}});
+    const CheckReport report = checkModule(catalog, "image", {example});
+    EXPECT_THAT(report.faults, ElementsAre());
+    EXPECT_THAT(
+        report.skipped,
+        Contains("texture from example 1: cannot read '/no/wood.png': there is no such file"));
+}
+
 TEST(Check, SaysWhyAModuleIsRefused) {
     Catalog catalog({kModules / "major_2"});
     EXPECT_THAT(checkModule(catalog, "dot").faults,

@@ -439,6 +439,20 @@ TEST(Lower, SurvivesRudePlugins) {
     }
 }
 
+TEST(Lower, BrokenModulesDoNotHurtASceneThatNeedsNoneOfThem) {
+    const TemporaryFolder broken;
+    broken.write("blob.rtplugin.so", "no module");
+    broken.write("Bad-Name.rtplugin.so", "");
+    fs::create_symlink("/nowhere", broken / "lost.rtplugin.so");
+    Scene scene(
+        {broken.path(), kModules / "major_2", kModules / "layout", kShipped, "/no/such/folder"});
+    scene.add("sphere"); // two modules claim "dot", and none of them is opened
+    EXPECT_TRUE(scene.lower());
+    EXPECT_EQ(scene.said(), "");
+    ASSERT_EQ(scene.catalog.opened().size(), 1u);
+    EXPECT_EQ(scene.catalog.opened()[0].name, "sphere");
+}
+
 TEST(Lower, PassesNotesOn) {
     Scene scene = withTestModules();
     scene.add("misfit", {{"act", std::string("note")}});
