@@ -22,6 +22,14 @@ void error(scene::Diagnostics& diagnostics, scene::Code code, const std::string&
                       std::move(sentence), std::move(suggestion));
 }
 
+/// What legacy scenes and films name; a picture is one of its images.
+bool isFilm(const fs::path& path) {
+    std::string suffix = path.extension().string();
+    for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return suffix == ".avi" || suffix == ".mp4" || suffix == ".mkv" || suffix == ".mov" ||
+           suffix == ".webm" || suffix == ".mpg";
+}
+
 std::string suffixSuggestion(const fs::path& path) {
     const std::string suffix = path.extension().string();
     const std::string near =
@@ -60,10 +68,16 @@ void checkWritable(const std::string& path, scene::Diagnostics& diagnostics) {
 std::vector<Output> planOutputs(const RenderOptions& options, const scene::Description& description,
                                 scene::Diagnostics& diagnostics) {
     std::vector<std::string> paths = options.outputs;
-    if (paths.empty())
-        paths.push_back(!description.image.file.empty()
-                            ? description.image.file
-                            : fs::path(options.scene).stem().string() + ".png");
+    if (paths.empty()) {
+        const std::string still = fs::path(options.scene).stem().string() + ".png";
+        const std::string& said = description.image.file;
+        paths.push_back(said.empty() || isFilm(said) ? still : said);
+        if (isFilm(said))
+            diagnostics.warning(
+                {std::make_shared<scene::Source>(scene::Source{options.scene, {}}), 0, 0},
+                "image.file is a film, " + scene::quoted(said) +
+                    "; its first image is drawn into " + scene::quoted(still));
+    }
     std::vector<Output> outputs;
     for (const std::string& path : paths) {
         const std::optional<formats::ImageFormat> bySuffix =

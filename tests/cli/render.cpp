@@ -82,6 +82,18 @@ TEST_F(Render, WritesWhereTheSceneSays) {
     EXPECT_EQ(rt("render named.yaml -o other.pfm").out, "other.pfm\n");
 }
 
+TEST_F(Render, AFilmsFirstImageIsDrawnWhereTheSceneNamesAFilm) {
+    write("film.yaml", std::regex_replace(kThreeSpheres, std::regex("height: 48"),
+                                          "height: 48, file: move.AVI"));
+    const Outcome outcome = rt("render film.yaml");
+    EXPECT_EQ(outcome.exitCode, 0);
+    EXPECT_EQ(outcome.out, "film.png\n");
+    EXPECT_EQ(outcome.err,
+              "film.yaml: warning: image.file is a film, 'move.AVI'; its first image is "
+              "drawn into 'film.png'\n");
+    EXPECT_EQ(files(), (Names{"film.png", "film.yaml"}));
+}
+
 TEST_F(Render, WritesEveryFormatBySuffix) {
     const Outcome outcome =
         rt("render scene.yaml -o a.png -o a.jpg -o a.jpeg -o a.BMP -o a.exr -o a.pfm");
