@@ -80,6 +80,7 @@ std::vector<Options::Case> Options::cases() {
         "field_of_view: 50deg}\nobjects:\n  - mesh: {name: gone, file: gone.obj}\n");
     write("old.inf", kOldScene);
     write("sloppy.inf", "window 48 64 9 9 9\n" + kOldScene);
+    write("keys.txt", "wait\n");
     write("film.inf", "movie 10 24\n0 move 50 50 50 0 10\n");
     renderPair();
     write("wait.txt", "wait\n");
@@ -192,6 +193,41 @@ std::vector<Options::Case> Options::cases() {
              EXPECT_EQ(json["primitives"], 3);
          },
          "render scene.yaml --stats s.json", render + "'s.json' is one argument too many" + see},
+        // ---- view
+        {"view", "-t", "view scene.yaml --script keys.txt -t 1",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml -t x",
+         "rt view: error: --threads: must be a whole number from 0 to 1024 (got 'x'); see rt view "
+         "--help\n"},
+        {"view", "--script", "view scene.yaml --script keys.txt",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --script",
+         "rt view: error: --script needs a value; see rt view --help\n"},
+        {"view", "--record", "view scene.yaml --script keys.txt --record shown",
+         [this](const Outcome&) { EXPECT_TRUE(exists("shown/shown.tsv")); },
+         "view scene.yaml --record",
+         "rt view: error: --record needs a value; see rt view --help\n"},
+        {"view", "--overlay", "view scene.yaml --script keys.txt --overlay on",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --overlay maybe",
+         "rt view: error: --overlay: must be on or off (got 'maybe'); see rt view --help\n"},
+        {"view", "--set", "view scene.yaml --script keys.txt --set render.depth=1",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --set a",
+         "rt view: error: --set: must be PATH=VALUE, such as render.depth=3 (got 'a'); see rt view "
+         "--help\n"},
+        {"view", "--limit-pixels", "view scene.yaml --script keys.txt --limit-pixels 3072",
+         [this](const Outcome&) {
+             EXPECT_EQ(rt("view scene.yaml --script keys.txt --limit-pixels 3071").exitCode, 7);
+         },
+         "view scene.yaml --limit-pixels 0",
+         "rt view: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt view --help\n"},
+        {"view", "--allow-missing", "view missing.yaml --script keys.txt --allow-missing",
+         [](const Outcome& o) {
+             EXPECT_NE(o.err.find("missing.yaml:5:"), std::string::npos) << o.err;
+         },
+         "view scene.yaml --allow-missing=1",
+         "rt view: error: --allow-missing takes no value; see rt view --help\n"},
+        {"view", "--plugin-dir", "view scene.yaml --script keys.txt --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --plugin-dir",
+         "rt view: error: --plugin-dir needs a value; see rt view --help\n"},
         // ---- check
         {"check", "--set", "check scene.yaml --set render.depth=2",
          prints("scene.yaml: no errors\n"), "check scene.yaml --set",
