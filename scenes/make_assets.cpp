@@ -168,7 +168,7 @@ Vec3 sky(double u, double v) {
     const double height = 1 - 2 * v; // 1 zenith, 0 horizon, -1 nadir
     const Vec3 zenith{0.16, 0.30, 0.58}, high{0.45, 0.62, 0.83}, glow{0.98, 0.80, 0.62},
         ground{0.34, 0.33, 0.36};
-    if (height < 0) return mix(mix(glow, ground, 0.75), ground * 0.6, step(0, 0.5, -height));
+    if (height < 0) return mix(glow, ground, step(0, 0.3, -height));
     Vec3 c = mix(mix(glow, high, step(0, 0.28, height)), zenith, step(0.2, 0.95, height));
     const double dx = std::fmin(std::fabs(u - 0.62), 1 - std::fabs(u - 0.62)) * 2,
                  dy = height - 0.22;
