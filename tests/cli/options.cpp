@@ -83,7 +83,6 @@ std::vector<Options::Case> Options::cases() {
     write("keys.txt", "wait\n");
     write("film.inf", "movie 10 24\n0 move 50 50 50 0 10\n");
     renderPair();
-    write("wait.txt", "wait\n");
     write("black.pfm", "PF\n64 48\n-1.0\n" + std::string(64 * 48 * 12, '\0'));
     std::filesystem::create_directories(folder_ / "empty");
     std::vector<Case> rows{
@@ -295,36 +294,6 @@ std::vector<Options::Case> Options::cases() {
          },
          "schema --plugin-dir",
          "rt schema: error: --plugin-dir needs a value; see rt schema --help\n"},
-        // ---- view
-        {"view", "--script", "view scene.yaml --script wait.txt", prints(""),
-         "view scene.yaml --script",
-         "rt view: error: --script needs a value; see rt view --help\n"},
-        {"view", "--record", "view scene.yaml --script wait.txt --record shown",
-         [this](const Outcome&) { EXPECT_TRUE(exists("shown/shown.tsv")); },
-         "view scene.yaml --record shown",
-         "rt view: error: --record needs --script; such as --script keys.txt --record shown\n"},
-        {"view", "--overlay", "view scene.yaml --script wait.txt --overlay off", prints(""),
-         "view scene.yaml --overlay maybe",
-         "rt view: error: --overlay: must be on or off (got 'maybe'); see rt view --help\n"},
-        {"view", "-t", "view scene.yaml --script wait.txt -t 1", prints(""),
-         "view scene.yaml -t -1",
-         "rt view: error: --threads: must be a whole number from 0 to 1024 (got '-1'); see rt "
-         "view --help\n"},
-        {"view", "--set", "view scene.yaml --script wait.txt --set image.width=8", prints(""),
-         "view scene.yaml --set", "rt view: error: --set needs a value; see rt view --help\n"},
-        {"view", "--plugin-dir", "view scene.yaml --script wait.txt --plugin-dir empty", prints(""),
-         "view scene.yaml --plugin-dir",
-         "rt view: error: --plugin-dir needs a value; see rt view --help\n"},
-        {"view", "--limit-pixels", "view scene.yaml --script wait.txt --limit-pixels 3072",
-         [this](const Outcome& o) {
-             EXPECT_EQ(o.err, "");
-             EXPECT_EQ(rt("view scene.yaml --script wait.txt --limit-pixels 3071").exitCode, 7);
-         },
-         "view scene.yaml --limit-pixels 0",
-         "rt view: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
-         "see rt view --help\n"},
-        {"view", "--allow-missing", "view scene.yaml --script wait.txt --allow-missing", prints(""),
-         "view scene.yaml --allow-missing=1", noValue("view", "--allow-missing")},
         // ---- compare
         {"compare", "--crop", "compare a.pfm a2.pfm --crop 0,0,8,8",
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --crop 0,0,8",

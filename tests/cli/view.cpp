@@ -103,7 +103,11 @@ TEST_F(View, PSavesThePictureShown) {
 }
 
 TEST_F(View, RefusesWhatCannotBe) {
-    EXPECT_EQ(rt("view scene.yaml --record shown").exitCode, 2);
+    const Outcome alone = rt("view scene.yaml --record shown");
+    EXPECT_EQ(alone.exitCode, 2);
+    EXPECT_EQ(
+        alone.err,
+        "rt view: error: --record needs --script; such as --script keys.txt --record shown\n");
     EXPECT_EQ(rt("view scene.yaml --script missing.txt").exitCode, 4);
     write("bad.txt", "key w\nfly\n");
     const Outcome bad = rt("view scene.yaml --script bad.txt");
