@@ -1,6 +1,7 @@
 #include <core/animation/poses.hpp>
 
 #include <core/numeric/elementary.hpp>
+#include <core/scene/parameter.hpp>
 
 #include <algorithm>
 #include <map>
@@ -9,6 +10,7 @@ namespace rt::animation {
 namespace {
 
 using numeric::Mat3;
+using scene::Easing;
 using scene::FrameRange;
 using scene::Track;
 
@@ -189,10 +191,11 @@ bool isKeyframed(const Track& track) {
     return !track.motion || std::holds_alternative<scene::Keyframes>(*track.motion);
 }
 
-std::optional<scene::Camera> cameraAt(const scene::Description& description, std::uint32_t frame,
-                                      scene::Diagnostics& diagnostics) {
+/// `camera` comes as it is at rest in this frame. False, and an error, when it ends without a direction.
+bool moveCamera(const scene::Description& description, std::uint32_t frame, scene::Camera& camera,
+                scene::Diagnostics& diagnostics) {
     using scene::CameraPoint;
-    const scene::Camera& rest = description.camera;
+    const scene::Camera rest = camera;
     const Vec3 forward = normalize(rest.forward), up = normalize(rest.up);
     // The top point stands over the eye by the part of `up` that is perpendicular to `forward`.
     const Vec3 restPoints[] = {rest.position, rest.position + rest.screenDistance * forward,
@@ -216,8 +219,8 @@ std::optional<scene::Camera> cameraAt(const scene::Description& description, std
         }
         points[i] = moved ? body.center() : restPoints[i];
     }
-    if (!moved) return rest;
-    scene::Camera camera = rest;
+    if (!moved) return true;
+    camera.lookAt.reset();
     camera.position = points[0];
     camera.forward = points[1] - points[0];
     camera.up = points[2] - points[0];
@@ -230,14 +233,14 @@ std::optional<scene::Camera> cameraAt(const scene::Description& description, std
                           camera.forward == Vec3(0)
                               ? image + "the camera's position and front point are the same"
                               : image + "the camera looks along its up direction");
-        return std::nullopt;
+        return false;
     }
-    return camera;
+    return true;
 }
 
-std::vector<BackgroundShare> backgroundAt(const scene::Description& description,
-                                          std::uint32_t frame) {
-    std::vector<BackgroundShare> shares{{description.background.texture, 1}};
+/// There is one fade at a time; those that are over have left their texture.
+void fadeBackground(const scene::Description& description, std::uint32_t frame,
+                    scene::Background& background) {
     std::vector<const Track*> fades;
     for (const Track& track : description.animation->tracks) {
         if (std::holds_alternative<scene::BackgroundFade>(track.target)) fades.push_back(&track);
@@ -245,12 +248,31 @@ std::vector<BackgroundShare> backgroundAt(const scene::Description& description,
     sortByFrames(fades);
     for (const Track* fade : fades) {
         const double share = shareDone(fade->frames, fade->easing, frame);
-        if (share == 0) continue;
-        if (share == 1) shares.clear();
-        for (BackgroundShare& earlier : shares) earlier.weight *= 1 - share;
-        shares.push_back({std::get<scene::BackgroundFade>(fade->target).texture, share});
+        const std::uint32_t texture = std::get<scene::BackgroundFade>(fade->target).texture;
+        if (share == 1)
+            background.texture = texture;
+        else if (share > 0)
+            background.fade = scene::Background::Fade{texture, share};
     }
-    return shares;
+}
+
+/// Values between keys; before the first and after the last they stay.
+std::vector<double> valuesAt(const scene::Keyframes& keyframes, std::uint32_t frame) {
+    using Interpolation = scene::Keyframes::Interpolation;
+    const auto& keys = keyframes.keys;
+    const auto next = std::ranges::upper_bound(keys, frame, {}, &scene::Keyframes::Key::frame);
+    if (next == keys.begin()) return keys.front().values;
+    const auto previous = next - 1;
+    if (next == keys.end() || keyframes.interpolation == Interpolation::step)
+        return previous->values;
+    const Easing easing =
+        keyframes.interpolation == Interpolation::smooth ? Easing::smooth : Easing::linear;
+    const double share = shareDone({previous->frame, next->frame}, easing, frame);
+    std::vector<double> values(previous->values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = previous->values[i] * (1 - share) + next->values[i] * share;
+    }
+    return values;
 }
 
 } // namespace
@@ -283,18 +305,39 @@ std::vector<bool> facesMove(const scene::Description& description) {
     return result;
 }
 
-std::optional<Poses> posesAt(const scene::Description& description,
-                             std::span<const RestObject> rest, std::uint32_t frame,
-                             scene::Diagnostics& diagnostics) {
-    Poses poses{description.camera,
-                {{description.background.texture, 1}},
-                std::vector<ObjectPose>(description.objects.size())};
-    if (!description.animation) return poses;
-    const auto camera = cameraAt(description, frame, diagnostics);
-    if (!camera) return std::nullopt;
-    poses.camera = *camera;
-    poses.background = backgroundAt(description, frame);
+bool keyframesReachTheWorld(const scene::Description& description) {
+    using Owner = scene::Parameter::Owner;
+    if (!description.animation) return false;
+    return std::ranges::any_of(description.animation->tracks, [](const Track& track) {
+        const auto* target = std::get_if<scene::ParameterTarget>(&track.target);
+        if (!target) return false;
+        const Owner owner = target->parameter.owner;
+        return owner != Owner::camera && owner != Owner::light && owner != Owner::background;
+    });
+}
 
+std::optional<scene::Description> descriptionAt(const scene::Description& description,
+                                                std::uint32_t frame,
+                                                scene::Diagnostics& diagnostics) {
+    scene::Description still = description;
+    if (!description.animation) return still;
+    for (const Track& track : description.animation->tracks) {
+        const auto* target = std::get_if<scene::ParameterTarget>(&track.target);
+        if (!target) continue;
+        scene::setParameter(still, target->parameter,
+                            valuesAt(std::get<scene::Keyframes>(*track.motion), frame));
+    }
+    if (!moveCamera(description, frame, still.camera, diagnostics)) return std::nullopt;
+    fadeBackground(description, frame, still.background);
+    return still;
+}
+
+std::optional<std::vector<ObjectPose>> posesAt(const scene::Description& description,
+                                               std::span<const RestObject> rest,
+                                               std::uint32_t frame,
+                                               scene::Diagnostics& diagnostics) {
+    std::vector<ObjectPose> poses(description.objects.size());
+    if (!description.animation) return poses;
     std::map<std::uint32_t, std::vector<const Track*>> tracksOf;
     for (const Track& track : description.animation->tracks) {
         const auto* target = std::get_if<scene::ObjectTarget>(&track.target);
@@ -319,7 +362,7 @@ std::optional<Poses> posesAt(const scene::Description& description,
             // A planar object is its own one face.
             scopes.push_back({target.each && !rest[object].faces.empty(), target.faces});
         }
-        poses.objects[object] = poseOf(rest[object], tracks, scopes, frame);
+        poses[object] = poseOf(rest[object], tracks, scopes, frame);
     }
     return poses;
 }

@@ -36,22 +36,21 @@ struct ObjectPose {
     std::vector<AffineTransform> faces; // empty, or one per source face, in place of worldFromRest
 };
 
-struct BackgroundShare {
-    std::optional<std::uint32_t> texture; // index into textures; none: the background's colour
-    double weight = 1;
-};
+/// Where the objects stand in this frame, indexed like description.objects; nothing, and an error, when a track names a
+/// face that the mesh does not have (E0341).
+std::optional<std::vector<ObjectPose>> posesAt(const scene::Description& description,
+                                               std::span<const RestObject> rest,
+                                               std::uint32_t frame,
+                                               scene::Diagnostics& diagnostics);
 
-struct Poses {
-    scene::Camera camera;
-    std::vector<BackgroundShare> background; // weights sum to 1; textures of weight 0 are left out
-    std::vector<ObjectPose> objects;         // indexed like description.objects
-};
+/// The scene of this frame but for the poses: keyframed numbers, the camera, the background and its fade. Nothing, and
+/// an error, when the camera has no direction or no up (E0340). The field of view stays what it is at rest.
+std::optional<scene::Description> descriptionAt(const scene::Description& description,
+                                                std::uint32_t frame,
+                                                scene::Diagnostics& diagnostics);
 
-/// Nothing, and an error, when the camera has no direction or no up in this frame (E0340), or a track names a face
-/// that the mesh does not have (E0341). Keyframes are descriptionAt's.
-std::optional<Poses> posesAt(const scene::Description& description,
-                             std::span<const RestObject> rest, std::uint32_t frame,
-                             scene::Diagnostics& diagnostics);
+/// Do keyframes change numbers of objects, materials or textures, so that each frame's description is lowered anew?
+bool keyframesReachTheWorld(const scene::Description& description);
 
 /// Share of a motion over `frames` that is done in `frame`: 0 up to first, 1 from last on.
 double shareDone(const scene::FrameRange& frames, scene::Easing easing, std::uint32_t frame);

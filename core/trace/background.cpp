@@ -65,9 +65,11 @@ Background::Background(const scene::Background& background, const world::World& 
         if (RT_HAS(texture->type, rt_texture_type, resolution) && texture->type->resolution)
             texture->type->resolution(texture->state, layers_.back().size.data());
     };
-    if (!background.texture) return;
-    add(*background.texture, background.fade ? 1 - background.fade->share : 1);
+    const double share = background.fade ? 1 - background.fade->share : 1;
+    if (background.texture) add(*background.texture, share);
+    else color_ *= share;
     if (background.fade) add(background.fade->texture, background.fade->share);
+    if (background.texture) color_ = {};
 }
 
 Vec2 Background::uvOf(const Layer& layer, const geometry::Ray& ray) const {
@@ -90,7 +92,7 @@ Vec2 Background::uvOf(const Layer& layer, const geometry::Ray& ray) const {
 }
 
 LinearRgb Background::blend(const geometry::Ray& ray) const {
-    LinearRgb sum;
+    LinearRgb sum = color_;
     const Vec3& d = ray.direction;
     for (const Layer& layer : layers_) {
         const Vec2 uv = uvOf(layer, ray);

@@ -1,4 +1,5 @@
 #include <core/animation/poses.hpp>
+#include <core/scene/parameter.hpp>
 #include <tests/tolerance.hpp>
 
 #include <gmock/gmock.h>
@@ -61,12 +62,19 @@ Track fade(std::uint32_t texture, FrameRange frames) {
     return result;
 }
 
-Poses posesOf(const scene::Description& description, const std::vector<RestObject>& rest,
-              std::uint32_t frame) {
+std::vector<ObjectPose> posesOf(const scene::Description& description,
+                                const std::vector<RestObject>& rest, std::uint32_t frame) {
     scene::Diagnostics diagnostics;
     const auto poses = posesAt(description, rest, frame, diagnostics);
     EXPECT_TRUE(poses.has_value()) << (diagnostics.failed() ? diagnostics.all()[0].message : "");
-    return poses.value_or(Poses{});
+    return poses.value_or(std::vector<ObjectPose>(description.objects.size()));
+}
+
+scene::Description stillOf(const scene::Description& description, std::uint32_t frame) {
+    scene::Diagnostics diagnostics;
+    const auto still = descriptionAt(description, frame, diagnostics);
+    EXPECT_TRUE(still.has_value()) << (diagnostics.failed() ? diagnostics.all()[0].message : "");
+    return still.value_or(description);
 }
 
 void expectNear(const Vec3& actual, const Vec3& expected, const std::string& what) {
@@ -109,9 +117,9 @@ TEST_P(EveryMotion, FollowsItsClosedFormInEveryFrame) {
         for (std::uint32_t k = 0; k <= 96; ++k) {
             const double x = linearShare(frames, k);
             const double share = easing == Easing::smooth ? x * x * (3 - 2 * x) : x;
-            const Poses poses = posesOf(film, kOne, k);
-            expectNear(poses.objects[0].worldFromRest.point(kCenter),
-                       GetParam().center(kCenter, share), "frame " + std::to_string(k));
+            const auto poses = posesOf(film, kOne, k);
+            expectNear(poses[0].worldFromRest.point(kCenter), GetParam().center(kCenter, share),
+                       "frame " + std::to_string(k));
         }
     }
 }
@@ -145,9 +153,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Poses, RotationIsRigidAndRightHanded) {
     const auto film =
         filmOf(1, {track(scene::Rotate{{0, 0, 0}, {0, 0, 2}, {std::acos(-1.0) / 2}}, {0, 8})});
-    const AffineTransform quarter = posesOf(film, kOne, 8).objects[0].worldFromRest;
+    const AffineTransform quarter = posesOf(film, kOne, 8)[0].worldFromRest;
     expectNear(quarter.point({1, 0, 7}), {0, 1, 7}, "x turns to y, and height stays");
-    const AffineTransform part = posesOf(film, kOne, 3).objects[0].worldFromRest;
+    const AffineTransform part = posesOf(film, kOne, 3)[0].worldFromRest;
     EXPECT_NEAR(numeric::length(part.direction({3, 4, 12})), 13,
                 tolerance::kClosedForm * kSceneSize);
 }
@@ -157,7 +165,7 @@ TEST(Poses, RotateSelfTurnsAPlanarObjectAboutItsOwnNormal) {
     rest[0].normal = {0, -3, 0};
     const auto film = filmOf(1, {track(scene::RotateSelf{std::nullopt, {0.5}}, {0, 4})});
     for (std::uint32_t k = 0; k <= 4; ++k) {
-        const AffineTransform pose = posesOf(film, rest, k).objects[0].worldFromRest;
+        const AffineTransform pose = posesOf(film, rest, k)[0].worldFromRest;
         expectNear(pose.point(kCenter), kCenter, "the centre stays");
         expectNear(pose.direction({1, 0, 0}), turned({1, 0, 0}, {0, -1, 0}, 0.125 * k),
                    "the edge turns");
@@ -166,7 +174,7 @@ TEST(Poses, RotateSelfTurnsAPlanarObjectAboutItsOwnNormal) {
 
 TEST(Poses, RotateSelfWithoutANormalDoesNothing) {
     const auto film = filmOf(1, {track(scene::RotateSelf{std::nullopt, {0.5}}, {0, 4})});
-    EXPECT_TRUE(posesOf(film, kOne, 3).objects[0].worldFromRest.isIdentity());
+    EXPECT_TRUE(posesOf(film, kOne, 3)[0].worldFromRest.isIdentity());
 }
 
 // ---- several motions on one thing ------------------------------------------------------------------------------
@@ -203,7 +211,7 @@ TEST(Poses, OverlappingMotionsTakeTurnsInTheLegacyOrder) {
     std::vector<const Track*> pointers;
     for (const Track& each : tracks) pointers.push_back(&each);
     for (std::uint32_t k = 0; k <= 96; ++k) {
-        expectNear(posesOf(film, kOne, k).objects[0].worldFromRest.point(kCenter),
+        expectNear(posesOf(film, kOne, k)[0].worldFromRest.point(kCenter),
                    replayed(kCenter, pointers, k), "frame " + std::to_string(k));
     }
 }
@@ -214,8 +222,8 @@ TEST(Poses, AFinishedMotionStops) {
                                  track(scene::Move{{1, 2, 3}}, {0, 10}),
                                  track(scene::MoveDirect{{1, 0, 0}, 4}, {20, 24})});
     const std::vector<RestObject> rest{{.center = kCenter, .normal = {}, .faces = {}}};
-    const Vec3 moved = posesOf(film, rest, 24).objects[0].worldFromRest.point(kCenter);
-    const Vec3 later = posesOf(film, rest, 25).objects[0].worldFromRest.point(kCenter);
+    const Vec3 moved = posesOf(film, rest, 24)[0].worldFromRest.point(kCenter);
+    const Vec3 later = posesOf(film, rest, 25)[0].worldFromRest.point(kCenter);
     expectNear(later, kCenter + turned(moved - kCenter, {0, 0, 1}, 1.0 / 90),
                "only the rotation goes on");
 }
@@ -225,29 +233,31 @@ TEST(Poses, AFrameAloneIsBitEqualToTheFrameInSequence) {
                                  track(scene::MoveRadius{kPivot, 20}, {30, 60}),
                                  cameraTrack(scene::CameraPoint::position,
                                              scene::Rotate{kPivot, {0, 0, 1}, {3.14}}, {0, 48})});
-    std::vector<Poses> sequence;
-    for (std::uint32_t k = 0; k <= 96; ++k) sequence.push_back(posesOf(film, kOne, k));
+    std::vector<std::vector<ObjectPose>> sequence;
+    std::vector<scene::Camera> cameras;
+    for (std::uint32_t k = 0; k <= 96; ++k) {
+        sequence.push_back(posesOf(film, kOne, k));
+        cameras.push_back(stillOf(film, k).camera);
+    }
     for (const std::uint32_t k : {96u, 31u, 59u, 60u, 61u, 0u, 1u}) {
-        const Poses alone = posesOf(film, kOne, k);
-        EXPECT_EQ(alone.objects[0].worldFromRest.linear,
-                  sequence[k].objects[0].worldFromRest.linear);
-        EXPECT_EQ(alone.objects[0].worldFromRest.translation,
-                  sequence[k].objects[0].worldFromRest.translation);
-        EXPECT_EQ(alone.camera.position, sequence[k].camera.position);
-        EXPECT_EQ(alone.camera.forward, sequence[k].camera.forward);
+        const auto alone = posesOf(film, kOne, k);
+        EXPECT_EQ(alone[0].worldFromRest.linear, sequence[k][0].worldFromRest.linear);
+        EXPECT_EQ(alone[0].worldFromRest.translation, sequence[k][0].worldFromRest.translation);
+        EXPECT_EQ(stillOf(film, k).camera.position, cameras[k].position);
+        EXPECT_EQ(stillOf(film, k).camera.forward, cameras[k].forward);
     }
 }
 
 TEST(Poses, AShrinkingRadiusNeverMeetsNan) {
     const std::vector<RestObject> atCenter{{.center = kPivot, .normal = {}, .faces = {}}};
     const auto film = filmOf(1, {track(scene::MoveRadius{kPivot, 5}, {0, 5})});
-    EXPECT_EQ(posesOf(film, atCenter, 5).objects[0].worldFromRest.point(kPivot), kPivot);
+    EXPECT_EQ(posesOf(film, atCenter, 5)[0].worldFromRest.point(kPivot), kPivot);
     // 4 steps of 5 from 20 away: exactly on the centre in frame 4, and out on the other side.
     const std::vector<RestObject> beside{{.center = {20, 0, 0}, .normal = {}, .faces = {}}};
     const auto through = filmOf(1, {track(scene::MoveRadius{{0, 0, 0}, -40}, {0, 8}),
                                     track(scene::MoveDirect{{0, 0, 1}, 0}, {0, 8})});
     for (std::uint32_t k = 0; k <= 8; ++k) {
-        expectNear(posesOf(through, beside, k).objects[0].worldFromRest.point({20, 0, 0}),
+        expectNear(posesOf(through, beside, k)[0].worldFromRest.point({20, 0, 0}),
                    {20 - 5.0 * k, 0, 0}, "frame " + std::to_string(k));
     }
 }
@@ -263,25 +273,24 @@ const std::vector<RestObject> kMesh{{.center = {50, 40, 14},
 
 TEST(Poses, AWholeMeshMovesAsOne) {
     const auto film = filmOf(1, {track(scene::Move{{0, 0, 0}}, {0, 2})});
-    const Poses poses = posesOf(film, kMesh, 2);
-    EXPECT_TRUE(poses.objects[0].faces.empty());
-    expectNear(poses.objects[0].worldFromRest.translation, {-50, -40, -14},
-               "its centre ends there");
+    const auto poses = posesOf(film, kMesh, 2);
+    EXPECT_TRUE(poses[0].faces.empty());
+    expectNear(poses[0].worldFromRest.translation, {-50, -40, -14}, "its centre ends there");
 }
 
 TEST(Poses, EachFaceMovesAboutItsOwnCentroid) {
     const auto film = filmOf(1, {eachFace(track(scene::MoveRadius{{50, 40, 14}, 10}, {0, 2})),
                                  eachFace(track(scene::RotateSelf{std::nullopt, {1}}, {2, 4}))});
     ASSERT_THAT(facesMove(film), testing::ElementsAre(true));
-    const Poses poses = posesOf(film, kMesh, 3);
-    ASSERT_EQ(poses.objects[0].faces.size(), 4u);
+    const auto poses = posesOf(film, kMesh, 3);
+    ASSERT_EQ(poses[0].faces.size(), 4u);
     for (std::size_t f = 0; f < 4; ++f) {
         const RestFace& face = kMesh[0].faces[f];
         const Vec3 exploded = face.centroid + normalize(face.centroid - Vec3{50, 40, 14}) * 10.0;
-        expectNear(poses.objects[0].faces[f].point(face.centroid), exploded,
+        expectNear(poses[0].faces[f].point(face.centroid), exploded,
                    "centroid of face " + std::to_string(f));
         const Vec3 edge{0.3, 0.4, 0.5};
-        expectNear(poses.objects[0].faces[f].direction(edge), turned(edge, face.normal, 0.5),
+        expectNear(poses[0].faces[f].direction(edge), turned(edge, face.normal, 0.5),
                    "turn of face " + std::to_string(f));
     }
 }
@@ -289,20 +298,19 @@ TEST(Poses, EachFaceMovesAboutItsOwnCentroid) {
 TEST(Poses, EachFaceCollapsesToTheSpotOfAMove) {
     const auto film = filmOf(1, {eachFace(track(scene::Move{{1, 2, 3}}, {0, 3}))});
     for (const std::size_t f : {0, 1, 2, 3}) {
-        expectNear(posesOf(film, kMesh, 3).objects[0].faces[f].point(kMesh[0].faces[f].centroid),
-                   {1, 2, 3}, "face");
+        expectNear(posesOf(film, kMesh, 3)[0].faces[f].point(kMesh[0].faces[f].centroid), {1, 2, 3},
+                   "face");
     }
 }
 
 TEST(Poses, ARangeOfFacesLeavesTheOthers) {
     const auto film =
         filmOf(1, {facesOf(track(scene::Rotate{{0, 0, 0}, {0, 0, 1}, {1}}, {0, 2}), 1, 2)});
-    const Poses poses = posesOf(film, kMesh, 2);
-    ASSERT_EQ(poses.objects[0].faces.size(), 4u);
-    EXPECT_TRUE(poses.objects[0].faces[0].isIdentity());
-    EXPECT_TRUE(poses.objects[0].faces[3].isIdentity());
-    expectNear(poses.objects[0].faces[1].point({1, 0, 0}), turned({1, 0, 0}, {0, 0, 1}, 1),
-               "face 1 turns");
+    const auto poses = posesOf(film, kMesh, 2);
+    ASSERT_EQ(poses[0].faces.size(), 4u);
+    EXPECT_TRUE(poses[0].faces[0].isIdentity());
+    EXPECT_TRUE(poses[0].faces[3].isIdentity());
+    expectNear(poses[0].faces[1].point({1, 0, 0}), turned({1, 0, 0}, {0, 0, 1}, 1), "face 1 turns");
 }
 
 TEST(Poses, FacesFollowTheirMeshAndThenMoveByThemselves) {
@@ -310,14 +318,14 @@ TEST(Poses, FacesFollowTheirMeshAndThenMoveByThemselves) {
                                  eachFace(track(scene::MoveRadius{{50, 40, 14}, 8}, {4, 10}))});
     const Vec3 pivot{50, 40, 14};
     for (std::uint32_t k = 0; k <= 12; ++k) {
-        const Poses poses = posesOf(film, kMesh, k);
+        const auto poses = posesOf(film, kMesh, k);
         const double out = 8 * linearShare({4, 10}, k);
         for (std::size_t f = 0; f < 4; ++f) {
             const Vec3 rest = kMesh[0].faces[f].centroid - pivot;
             const Vec3 expected =
                 turned(rest * (1 + out / numeric::length(rest)), {0, 0, 1}, 3.1416 * k / 12);
-            expectNear(poses.objects[0].faces[f].point(kMesh[0].faces[f].centroid),
-                       pivot + expected, "frame " + std::to_string(k));
+            expectNear(poses[0].faces[f].point(kMesh[0].faces[f].centroid), pivot + expected,
+                       "frame " + std::to_string(k));
         }
     }
 }
@@ -336,7 +344,7 @@ TEST(Poses, AFaceThatIsNotThereIsAnErrorAtItsTrack) {
 
 TEST(Poses, ACameraThatDoesNotMoveIsTheRestCameraBitForBit) {
     const auto film = filmOf(1, {track(scene::Move{{0, 0, 0}}, {0, 2})});
-    const scene::Camera camera = posesOf(film, kOne, 2).camera;
+    const scene::Camera camera = stillOf(film, 2).camera;
     EXPECT_EQ(camera.forward, film.camera.forward);
     EXPECT_EQ(camera.up, film.camera.up);
 }
@@ -349,7 +357,7 @@ TEST(Poses, CameraPointsMoveByThemselvesAndTheFieldOfViewStays) {
             cameraTrack(CameraPoint::front, scene::Move{center}, {0, 1}),
             cameraTrack(CameraPoint::top, scene::Move{{50, 65, 100}}, {0, 1})});
     for (std::uint32_t k = 1; k <= 48; ++k) {
-        const scene::Camera camera = posesOf(film, kOne, k).camera;
+        const scene::Camera camera = stillOf(film, k).camera;
         const Vec3 eye = center + turned(film.camera.position - center, {0, 0, 1}, -3.14 * k / 48);
         expectNear(camera.position, eye, "eye");
         expectNear(camera.forward, center - eye, "forward");
@@ -364,7 +372,7 @@ TEST(Poses, TheTopPointStandsPerpendicularOverTheEye) {
     using scene::CameraPoint;
     const auto film =
         filmOf(1, {cameraTrack(CameraPoint::position, scene::MoveDirect{{0, 0, 1}, 0}, {0, 1})});
-    const scene::Camera camera = posesOf(film, kOne, 1).camera;
+    const scene::Camera camera = stillOf(film, 1).camera;
     expectNear({dot(camera.up, camera.forward), 0, 0}, {0, 0, 0}, "perpendicular");
     const Vec3 forward = normalize(film.camera.forward);
     EXPECT_NEAR(numeric::length(camera.up), std::sqrt(1 - forward.z * forward.z),
@@ -377,8 +385,8 @@ TEST(Poses, ACameraWithoutADirectionIsAnError) {
     const auto film =
         filmOf(1, {cameraTrack(CameraPoint::front, scene::Move{{90, 0, 40}}, {0, 5})});
     scene::Diagnostics diagnostics;
-    EXPECT_TRUE(posesAt(film, kOne, 4, diagnostics));
-    EXPECT_FALSE(posesAt(film, kOne, 5, diagnostics));
+    EXPECT_TRUE(descriptionAt(film, 4, diagnostics));
+    EXPECT_FALSE(descriptionAt(film, 5, diagnostics));
     ASSERT_EQ(diagnostics.errorCount(), 1u);
     EXPECT_EQ(diagnostics.all()[0].message,
               "in frame 5 the camera's position and front point are the same");
@@ -389,29 +397,75 @@ TEST(Poses, ACameraWithoutADirectionIsAnError) {
 TEST(Poses, BackgroundsFade) {
     auto film = filmOf(0, {fade(1, {3, 9}), fade(0, {20, 24})});
     film.background.texture = 0;
-    const auto weights = [&](std::uint32_t k) {
-        std::vector<std::pair<int, double>> result;
-        for (const BackgroundShare& share : posesOf(film, {}, k).background) {
-            result.emplace_back(share.texture ? static_cast<int>(*share.texture) : -1,
-                                share.weight);
-        }
-        return result;
+    const auto check = [&](std::uint32_t k, std::uint32_t texture, std::uint32_t next,
+                           double share) {
+        const scene::Background background = stillOf(film, k).background;
+        EXPECT_EQ(background.texture, texture) << k;
+        EXPECT_EQ(background.fade.has_value(), share > 0) << k;
+        if (!background.fade) return;
+        EXPECT_EQ(background.fade->texture, next) << k;
+        EXPECT_EQ(background.fade->share, share) << k;
     };
-    using testing::ElementsAre;
-    EXPECT_THAT(weights(0), ElementsAre(std::pair(0, 1.0)));
-    EXPECT_THAT(weights(3), ElementsAre(std::pair(0, 1.0)));
-    EXPECT_THAT(weights(4), ElementsAre(std::pair(0, 1 - 1.0 / 6), std::pair(1, 1.0 / 6)));
-    EXPECT_THAT(weights(9), ElementsAre(std::pair(1, 1.0)));
-    EXPECT_THAT(weights(22), ElementsAre(std::pair(1, 0.5), std::pair(0, 0.5)));
-    EXPECT_THAT(weights(96), ElementsAre(std::pair(0, 1.0)));
+    check(0, 0, 0, 0);
+    check(3, 0, 0, 0);
+    check(4, 0, 1, 1.0 / 6);
+    check(8, 0, 1, 5.0 / 6);
+    check(9, 1, 0, 0);
+    check(22, 1, 0, 0.5);
+    check(96, 0, 0, 0);
 }
 
 TEST(Poses, AColourFadesToATexture) {
     const auto film = filmOf(0, {fade(0, {0, 2})});
-    const auto shares = posesOf(film, {}, 1).background;
-    ASSERT_EQ(shares.size(), 2u);
-    EXPECT_FALSE(shares[0].texture.has_value());
-    EXPECT_EQ(shares[1].texture, 0u);
+    const scene::Background background = stillOf(film, 1).background;
+    EXPECT_FALSE(background.texture.has_value());
+    ASSERT_TRUE(background.fade.has_value());
+    EXPECT_EQ(background.fade->texture, 0u);
+}
+
+// ---- keyframes -------------------------------------------------------------------------------------------------
+
+scene::Description withKeyframes(const std::string& path, scene::Keyframes keyframes) {
+    auto film = filmOf(0, {});
+    film.lights.push_back(
+        {.name = "key", .position = {1, 2, 3}, .color = {1, 1, 1}, .brightness = 1});
+    const auto parameter = scene::findParameter(film, path, {});
+    EXPECT_TRUE(std::holds_alternative<scene::Parameter>(parameter)) << path;
+    Track keyed;
+    keyed.target = scene::ParameterTarget{path, std::get<scene::Parameter>(parameter)};
+    keyed.frames = {keyframes.keys.front().frame, keyframes.keys.back().frame};
+    keyed.motion = std::move(keyframes);
+    film.animation->tracks.push_back(std::move(keyed));
+    return film;
+}
+
+TEST(Keyframes, ValuesRunBetweenTheirFrames) {
+    using Interpolation = scene::Keyframes::Interpolation;
+    const auto brightness = [](Interpolation interpolation, std::uint32_t frame) {
+        const auto film = withKeyframes("lights.key.brightness",
+                                        {{{10, {2}}, {20, {4}}, {40, {0}}}, interpolation});
+        return stillOf(film, frame).lights[0].brightness;
+    };
+    for (const auto interpolation :
+         {Interpolation::linear, Interpolation::smooth, Interpolation::step}) {
+        EXPECT_EQ(brightness(interpolation, 0), 2);
+        EXPECT_EQ(brightness(interpolation, 10), 2);
+        EXPECT_EQ(brightness(interpolation, 20), 4);
+        EXPECT_EQ(brightness(interpolation, 96), 0);
+    }
+    EXPECT_EQ(brightness(Interpolation::linear, 15), 3);
+    EXPECT_EQ(brightness(Interpolation::linear, 25), 3);
+    EXPECT_EQ(brightness(Interpolation::smooth, 25), 4 * (1 - 0.25 * 0.25 * 2.5));
+    EXPECT_EQ(brightness(Interpolation::step, 19), 2);
+    EXPECT_EQ(brightness(Interpolation::step, 39), 4);
+}
+
+TEST(Keyframes, TriplesAndTheCamera) {
+    const auto lit = withKeyframes("lights.key.color", {{{0, {1, 0, 0}}, {4, {0, 1, 0.5}}}, {}});
+    EXPECT_EQ(stillOf(lit, 1).lights[0].color, (numeric::LinearRgb{0.75, 0.25, 0.125}));
+    const auto seen = withKeyframes("camera.screen.width", {{{0, {16}}, {4, {8}}}, {}});
+    EXPECT_EQ(stillOf(seen, 3).camera.screenWidth, 10);
+    EXPECT_FALSE(keyframesReachTheWorld(seen));
 }
 
 } // namespace

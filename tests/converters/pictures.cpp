@@ -1,0 +1,203 @@
+// Converted legacy scenes, rendered, against what the original program drew (linear 8-bit files).
+#include <converters/inf.hpp>
+#include <core/image/metrics.hpp>
+#include <core/octree/octree.hpp>
+#include <core/plugin_host/lower.hpp>
+#include <core/scene/validate.hpp>
+#include <core/trace/ray_tree.hpp>
+#include <core/trace/render.hpp>
+#include <formats/image_reader.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+namespace rt::converters {
+namespace {
+
+using image::Framebuffer;
+
+/// The original author's files and pictures lie beside the project, or where RT_LEGACY_FILES says.
+std::string legacy(const std::string& name) {
+    const char* const elsewhere = std::getenv("RT_LEGACY_FILES");
+    return std::string(elsewhere ? elsewhere : RT_LEGACY_FILES) + "/" + name;
+}
+
+struct Stage {
+    scene::Description description;
+    world::World world;
+    octree::Octree octree;
+};
+
+std::string all(const scene::Diagnostics& diagnostics) {
+    std::string text;
+    for (const scene::Diagnostic& each : diagnostics.all()) {
+        if (each.severity == scene::Severity::error) text += scene::format(each, false);
+    }
+    return text;
+}
+
+/// The catalog outlives the world.
+std::unique_ptr<Stage> stageOf(const std::string& path, plugin_host::Catalog& catalog,
+                               bool lenient = false) {
+    scene::Diagnostics diagnostics;
+    auto stage = std::make_unique<Stage>();
+    const auto document = convertInf(
+        path, {.lenient = lenient, .moviePath = {}, .outputFolder = {}, .countFaces = {}},
+        diagnostics);
+    const auto description =
+        document ? scene::validate(*document, catalog, diagnostics) : std::nullopt;
+    auto world =
+        description ? plugin_host::lower(*description, catalog, diagnostics) : std::nullopt;
+    EXPECT_TRUE(world.has_value()) << all(diagnostics);
+    if (!world) return nullptr;
+    stage->description = *description;
+    stage->world = std::move(*world);
+    stage->octree = octree::Octree::build(stage->world.primitives);
+    return stage;
+}
+
+/// White where the pixel's tree of rays, shadow rays included, meets nothing that transmits. With `smooth` a pixel has
+/// the rays of its neighbours right and below too.
+Framebuffer opaqueMask(const Stage& stage) {
+    const auto& materials = stage.world.materials;
+    std::vector<bool> opaque;
+    for (const material::Material& material : materials) opaque.push_back(material.isOpaque());
+    std::vector<bool> none(materials.size(), false);
+    Framebuffer mask(stage.description.image.width, stage.description.image.height);
+    const auto meetsClear = [&](const trace::RayTree& tree) {
+        for (const trace::RayTree::Node& node : tree.nodes) {
+            if (!node.hit) continue;
+            if (!opaque[static_cast<std::size_t>(node.material)]) return true;
+            for (const scene::PointLight& light : stage.description.lights) {
+                std::vector<geometry::Crossing> crossings;
+                stage.octree.crossings(
+                    {node.position, 1, light.position - node.position, node.primitive}, none,
+                    crossings);
+                for (const geometry::Crossing& crossing : crossings) {
+                    const auto material = stage.world.primitives.segmentOf(crossing.id).material;
+                    if (!opaque[static_cast<std::size_t>(material)]) return true;
+                }
+            }
+        }
+        return false;
+    };
+    for (std::uint32_t y = 0; y < mask.height; ++y) {
+        for (std::uint32_t x = 0; x < mask.width; ++x) {
+            const bool clear =
+                meetsClear(trace::tracePixel(stage.octree, stage.world, stage.description, x, y));
+            mask.at(x, y) = numeric::LinearRgb::grey(clear ? 0 : 1);
+        }
+    }
+    if (!stage.description.render.smooth) return mask;
+    Framebuffer smoothed = mask;
+    for (std::uint32_t y = 0; y < mask.height; ++y) {
+        for (std::uint32_t x = 0; x < mask.width; ++x) {
+            for (const std::uint32_t dy : {0u, 1u}) {
+                for (const std::uint32_t dx : {0u, 1u}) {
+                    const auto& other = mask.at(std::min(x + dx, mask.width - 1),
+                                                std::min(y + dy, mask.height - 1));
+                    if (other.isBlack()) smoothed.at(x, y) = other;
+                }
+            }
+        }
+    }
+    return smoothed;
+}
+
+/// What an 8-bit file would hold, so that both sides are rounded alike.
+Framebuffer quantised(Framebuffer frame) {
+    const auto round = [](double v) { return std::nearbyint(std::clamp(v, 0.0, 1.0) * 255) / 255; };
+    for (auto& pixel : frame.pixels) pixel = {round(pixel.r), round(pixel.g), round(pixel.b)};
+    return frame;
+}
+
+/// Blackens, in a white or finished mask, the single pixels of the original's picture that stand out from all four
+/// neighbours: rays that left a surface without an offset, in single precision, and met it again. Returns their number.
+std::size_t hideSelfHits(const Framebuffer& original, Framebuffer& mask) {
+    constexpr double kStandsOut = 0.1;
+    std::size_t hidden = 0;
+    const auto apart = [](const numeric::LinearRgb& a, const numeric::LinearRgb& b) {
+        return std::max({std::fabs(a.r - b.r), std::fabs(a.g - b.g), std::fabs(a.b - b.b)}) >
+               kStandsOut;
+    };
+    for (std::uint32_t y = 1; y + 1 < mask.height; ++y) {
+        for (std::uint32_t x = 1; x + 1 < mask.width; ++x) {
+            const auto& pixel = original.at(x, y);
+            const bool alone =
+                apart(pixel, original.at(x - 1, y)) && apart(pixel, original.at(x + 1, y)) &&
+                apart(pixel, original.at(x, y - 1)) && apart(pixel, original.at(x, y + 1));
+            if (!alone || mask.at(x, y).isBlack()) continue;
+            mask.at(x, y) = {};
+            ++hidden;
+        }
+    }
+    return hidden;
+}
+
+struct Bar {
+    const char* scene;
+    const char* reference;
+    double decibels;
+    bool lenient = false;
+    double mayHide =
+        0; // largest share of pixels whose rays meet clear objects; 0: all pixels count
+    std::size_t selfHits = 0; // single pixels that the original got wrong in single precision
+};
+
+void PrintTo(const Bar& bar, std::ostream* out) { *out << bar.scene; }
+
+class LegacyPictures : public testing::TestWithParam<Bar> {};
+
+TEST_P(LegacyPictures, LookAsTheyDid) {
+    const Bar& bar = GetParam();
+    if (!std::filesystem::exists(legacy(bar.scene)))
+        GTEST_SKIP() << "the legacy files are not here";
+    plugin_host::Catalog catalog({RT_SHIPPED_PLUGINS});
+    const auto stage = stageOf(legacy(bar.scene), catalog, bar.lenient);
+    ASSERT_TRUE(stage);
+    const Framebuffer ours =
+        quantised(trace::render(stage->octree, stage->world, stage->description, {}).frame);
+    scene::Diagnostics diagnostics;
+    const auto reference = formats::readPicture(legacy(bar.reference),
+                                                {.encoding = scene::Encoding::linear}, diagnostics);
+    ASSERT_TRUE(reference) << all(diagnostics);
+
+    image::CompareOptions options;
+    Framebuffer mask;
+    if (bar.mayHide > 0) {
+        mask = opaqueMask(*stage);
+        options.mask = &mask;
+    }
+    if (bar.selfHits > 0) {
+        EXPECT_LE(hideSelfHits(reference->frame, mask), bar.selfHits);
+    }
+    const image::Difference difference = image::difference(ours, reference->frame, options);
+    const double hidden =
+        1 - static_cast<double>(difference.pixels) / static_cast<double>(ours.pixels.size());
+    RecordProperty("psnr", std::to_string(difference.psnr()));
+    EXPECT_GE(difference.psnr(), bar.decibels);
+    EXPECT_LE(hidden, bar.mayHide);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, LegacyPictures,
+    testing::Values(Bar{"author_b/Scene.inf", "reference/author_b_video_00.png", 35}, // lossy video
+                    Bar{"cases/s6_axes.inf", "reference/s6_axes.png", 50},
+                    Bar{"cases/s5_defaults.inf", "reference/s5_defaults.png", 50,
+                        true}, // an unknown word
+                    Bar{"cases/chk_bg.inf", "reference/chk_bg.png", 50},
+                    Bar{"cases/s1_spheres.inf", "reference/flat_s1_spheres.png", 50, false, 0.25},
+                    Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 13},
+                    Bar{"cases/s4_aa.inf", "reference/s4_aa.png", 50, false, 0.25},
+                    Bar{"cases/s4_smooth.inf", "reference/s4_smooth.png", 50, false, 0.25}),
+    [](const auto& info) {
+        std::string name = std::filesystem::path(info.param.scene).stem().string();
+        return name == "Scene" ? std::string("author_b") : name;
+    });
+
+} // namespace
+} // namespace rt::converters
