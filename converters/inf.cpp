@@ -19,11 +19,13 @@ std::optional<scene::Node> convert(const std::shared_ptr<const scene::Source>& s
             "rt convert Scene.inf --movie " + source->path);
         return std::nullopt;
     }
-    const std::size_t errors = diagnostics.errorCount();
-    SceneText text = parseSceneText(source, options.lenient, diagnostics);
-    const bool complete = diagnostics.errorCount() == errors;
-    scene::Node document = sceneDocument(std::move(text), source, complete, options, diagnostics);
-    if (diagnostics.errorCount() != errors) return std::nullopt;
+    scene::Diagnostics found;
+    SceneText text = parseSceneText(source, options.lenient, found);
+    const bool complete = !found.failed();
+    scene::Node document = sceneDocument(std::move(text), source, complete, options, found);
+    found.sortByPlace();
+    diagnostics.add(found);
+    if (found.failed()) return std::nullopt;
     return document;
 }
 

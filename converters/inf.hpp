@@ -23,7 +23,7 @@ struct InfOptions {
 };
 
 /// The scene as one document, animation included, or nothing when `diagnostics` has gained an error: E0201 a movie
-/// file, E0380 to E0395 what is wrong in the files, E0400 to E0410 files that cannot be read. Decisions and changed
+/// file, E0380 to E0395 what is wrong in the files, E0401 to E0410 files that cannot be read. Decisions and changed
 /// behaviour are notes. Every node has the place in the legacy file that it comes from.
 std::optional<scene::Node> convertInf(const std::string& path, const InfOptions& options,
                                       scene::Diagnostics& diagnostics);

@@ -15,6 +15,9 @@ inline constexpr double kElementaryUlpsDerived = 0.96;
 /// to 2.9e-8 (encoded).
 inline constexpr double kSrgbBranchGap = 3e-8;
 
+/// Centres that the legacy program printed with four digits, computed in single precision.
+inline constexpr double kPrintedCenter = 1e-3;
+
 /// Poses against closed forms, as a share of the scene's size: the bar of the animation issue. The
 /// worst of tests/animation, 96 steps of four overlapping motions included, is below 1e-15.
 inline constexpr double kClosedForm = 1e-12;

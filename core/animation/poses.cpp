@@ -1,6 +1,5 @@
 #include <core/animation/poses.hpp>
 
-#include <core/numeric/elementary.hpp>
 #include <core/scene/parameter.hpp>
 
 #include <algorithm>
@@ -63,6 +62,8 @@ struct Body {
     Vec3 center() const { return worldFromRest.point(restCenter); }
 };
 
+Mat3 turn(const Vec3& axis, double angle) { return numeric::rotation(axis, {angle}).linear; }
+
 AffineTransform about(const Vec3& center, const Mat3& linear) {
     return {linear, center - linear * center};
 }
@@ -71,14 +72,13 @@ AffineTransform about(const Vec3& center, const Mat3& linear) {
 AffineTransform stepOf(const scene::Motion& motion, const Jump& jump, Body& body) {
     const double share = jump.to - jump.from;
     if (const auto* rotate = std::get_if<scene::Rotate>(&motion)) {
-        return about(rotate->center,
-                     rotation(normalize(rotate->axis), rotate->angle.value * share));
+        return about(rotate->center, turn(rotate->axis, rotate->angle.value * share));
     }
     if (const auto* rotateSelf = std::get_if<scene::RotateSelf>(&motion)) {
         const Vec3 axis =
             rotateSelf->axis ? *rotateSelf->axis : body.worldFromRest.direction(body.restNormal);
         if (axis == Vec3(0)) return {};
-        return about(body.center(), rotation(normalize(axis), rotateSelf->angle.value * share));
+        return about(body.center(), turn(axis, rotateSelf->angle.value * share));
     }
     if (const auto* move = std::get_if<scene::Move>(&motion)) {
         const Vec3 rest = move->position - body.center();
@@ -283,15 +283,6 @@ double shareDone(const FrameRange& frames, scene::Easing easing, std::uint32_t f
     const double x =
         static_cast<double>(frame - frames.first) / static_cast<double>(frames.last - frames.first);
     return easing == scene::Easing::smooth ? x * x * (3 - 2 * x) : x;
-}
-
-Mat3 rotation(const Vec3& axis, double angle) {
-    const double s = numeric::sin(angle), c = numeric::cos(angle);
-    const Vec3 a = axis * (1 - c);
-    // Columns are the images of x, y and z.
-    return Mat3(Vec3(c + a.x * axis.x, a.x * axis.y + s * axis.z, a.x * axis.z - s * axis.y),
-                Vec3(a.y * axis.x - s * axis.z, c + a.y * axis.y, a.y * axis.z + s * axis.x),
-                Vec3(a.z * axis.x + s * axis.y, a.z * axis.y - s * axis.x, c + a.z * axis.z));
 }
 
 std::vector<bool> facesMove(const scene::Description& description) {

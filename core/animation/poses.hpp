@@ -55,7 +55,4 @@ bool keyframesReachTheWorld(const scene::Description& description);
 /// Share of a motion over `frames` that is done in `frame`: 0 up to first, 1 from last on.
 double shareDone(const scene::FrameRange& frames, scene::Easing easing, std::uint32_t frame);
 
-/// Right-handed rotation by `angle` about the unit vector `axis` [Rodrigues].
-numeric::Mat3 rotation(const Vec3& axis, double angle);
-
 } // namespace rt::animation

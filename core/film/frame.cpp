@@ -211,27 +211,18 @@ std::vector<RestObject> restObjects(const scene::Description& description,
 
 std::optional<Frame> frameAt(const scene::Description& description, const world::World& rest,
                              std::uint32_t frame, scene::Diagnostics& diagnostics) {
+    auto still = animation::descriptionAt(description, frame, diagnostics);
     const auto poses =
         animation::posesAt(description, restObjects(description, rest), frame, diagnostics);
-    if (!poses) return std::nullopt;
-    Frame result{description, rest};
-    result.description.camera = poses->camera;
-    auto& background = result.description.background;
-    background.texture.reset();
-    background.fade.reset();
-    for (const auto& share : poses->background) {
-        if (!background.texture)
-            background.texture = share.texture;
-        else
-            background.fade = scene::Background::Fade{*share.texture, share.weight};
-    }
+    if (!still || !poses) return std::nullopt;
+    Frame result{std::move(*still), rest};
     Mover mover(result.world);
     for (const Segment& segment : result.world.primitives.segments)
-        mover.move(segment, poses->objects[static_cast<std::size_t>(segment.object)]);
-    for (std::size_t i = 0; i < poses->objects.size(); ++i)
-        if (!poses->objects[i].worldFromRest.isIdentity())
+        mover.move(segment, (*poses)[static_cast<std::size_t>(segment.object)]);
+    for (std::size_t i = 0; i < poses->size(); ++i)
+        if (!(*poses)[i].worldFromRest.isIdentity())
             result.world.objectFromWorld[i] =
-                result.world.objectFromWorld[i] * poses->objects[i].worldFromRest.inverse();
+                result.world.objectFromWorld[i] * (*poses)[i].worldFromRest.inverse();
     return result;
 }
 

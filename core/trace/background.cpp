@@ -66,8 +66,10 @@ Background::Background(const scene::Background& background, const world::World& 
             texture->type->resolution(texture->state, layers_.back().size.data());
     };
     const double share = background.fade ? 1 - background.fade->share : 1;
-    if (background.texture) add(*background.texture, share);
-    else color_ *= share;
+    if (background.texture)
+        add(*background.texture, share);
+    else
+        color_ *= share;
     if (background.fade) add(background.fade->texture, background.fade->share);
     if (background.texture) color_ = {};
 }

@@ -1,6 +1,8 @@
 // Every error of the .inf converter, word for word.
 #include <tests/converters/converting.hpp>
 
+#include <algorithm>
+
 namespace rt::converters {
 namespace {
 
@@ -146,7 +148,7 @@ TEST(InfErrors, AMissingMovieFile) {
     EXPECT_EQ(converted.diagnostics.exitCode(), 4);
     ASSERT_EQ(converted.diagnostics.errorCount(), 1u);
     EXPECT_THAT(converted.errors()[0],
-                testing::StartsWith("4:7 E0400 '" + folder.path("film.inf").substr(0, 20)));
+                testing::StartsWith("4:7 E0401 '" + folder.path("film.inf").substr(0, 20)));
 }
 
 TEST(InfErrors, AMovieFileAloneSaysHow) {
@@ -239,7 +241,9 @@ TEST(InfErrors, NumbersBehindAMeshThatCannotBeRead) {
 TEST(InfErrors, TheCaretStandsUnderTheWord) {
     const Converted converted = convertText(kHead + "\tback\tnine\n");
     ASSERT_EQ(converted.diagnostics.errorCount(), 1u);
-    EXPECT_EQ(scene::format(converted.diagnostics.all().front(), false),
+    const auto& all = converted.diagnostics.all();
+    const auto error = std::ranges::find(all, scene::Severity::error, &scene::Diagnostic::severity);
+    EXPECT_EQ(scene::format(*error, false),
               "scene.inf:4:7: error[E0381]: 'back', 'value': 'nine' is not a number\n"
               "    4 |     back    nine\n"
               "      |             ^\n");

@@ -1,12 +1,9 @@
 // Converted legacy scenes, rendered, against what the original program drew (linear 8-bit files).
-#include <converters/inf.hpp>
 #include <core/image/metrics.hpp>
-#include <core/octree/octree.hpp>
-#include <core/plugin_host/lower.hpp>
-#include <core/scene/validate.hpp>
 #include <core/trace/ray_tree.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_reader.hpp>
+#include <tests/converters/legacy_stage.hpp>
 
 #include <gtest/gtest.h>
 
@@ -20,49 +17,9 @@ namespace {
 
 using image::Framebuffer;
 
-/// The original author's files and pictures lie beside the project, or where RT_LEGACY_FILES says.
-std::string legacy(const std::string& name) {
-    const char* const elsewhere = std::getenv("RT_LEGACY_FILES");
-    return std::string(elsewhere ? elsewhere : RT_LEGACY_FILES) + "/" + name;
-}
-
-struct Stage {
-    scene::Description description;
-    world::World world;
-    octree::Octree octree;
-};
-
-std::string all(const scene::Diagnostics& diagnostics) {
-    std::string text;
-    for (const scene::Diagnostic& each : diagnostics.all()) {
-        if (each.severity == scene::Severity::error) text += scene::format(each, false);
-    }
-    return text;
-}
-
-/// The catalog outlives the world.
-std::unique_ptr<Stage> stageOf(const std::string& path, plugin_host::Catalog& catalog,
-                               bool lenient = false) {
-    scene::Diagnostics diagnostics;
-    auto stage = std::make_unique<Stage>();
-    const auto document = convertInf(
-        path, {.lenient = lenient, .moviePath = {}, .outputFolder = {}, .countFaces = {}},
-        diagnostics);
-    const auto description =
-        document ? scene::validate(*document, catalog, diagnostics) : std::nullopt;
-    auto world =
-        description ? plugin_host::lower(*description, catalog, diagnostics) : std::nullopt;
-    EXPECT_TRUE(world.has_value()) << all(diagnostics);
-    if (!world) return nullptr;
-    stage->description = *description;
-    stage->world = std::move(*world);
-    stage->octree = octree::Octree::build(stage->world.primitives);
-    return stage;
-}
-
 /// White where the pixel's tree of rays, shadow rays included, meets nothing that transmits. With `smooth` a pixel has
 /// the rays of its neighbours right and below too.
-Framebuffer opaqueMask(const Stage& stage) {
+Framebuffer opaqueMask(const LegacyStage& stage) {
     const auto& materials = stage.world.materials;
     std::vector<bool> opaque;
     for (const material::Material& material : materials) opaque.push_back(material.isOpaque());
@@ -164,7 +121,7 @@ TEST_P(LegacyPictures, LookAsTheyDid) {
     scene::Diagnostics diagnostics;
     const auto reference = formats::readPicture(legacy(bar.reference),
                                                 {.encoding = scene::Encoding::linear}, diagnostics);
-    ASSERT_TRUE(reference) << all(diagnostics);
+    ASSERT_TRUE(reference) << errorsOf(diagnostics);
 
     image::CompareOptions options;
     Framebuffer mask;
