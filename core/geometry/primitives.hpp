@@ -1,9 +1,9 @@
 // The world's geometry as structure-of-arrays by kind; what lowering makes and the octree holds. World space, f64.
 #pragma once
-#include <rt/plugin.h>
 #include <core/numeric/box.hpp>
 #include <core/numeric/transform.hpp>
 #include <core/numeric/vec.hpp>
+#include <rt/plugin.h>
 
 #include <array>
 #include <cstdint>
@@ -32,13 +32,15 @@ enum class Kind : std::uint8_t { triangle, sphere, parallelogram, custom };
 
 struct Triangles {
     std::vector<Vec3> positions;
-    std::vector<std::array<std::uint32_t, 3>> indices;       // counter-clockwise seen from outside
-    std::vector<Vec3> normals;                               // unit
-    std::vector<std::array<std::uint32_t, 3>> normalIndices; // empty, or one per triangle; kNoIndex: flat corner
+    std::vector<std::array<std::uint32_t, 3>> indices; // counter-clockwise seen from outside
+    std::vector<Vec3> normals;                         // unit
+    std::vector<std::array<std::uint32_t, 3>>
+        normalIndices; // empty, or one per triangle; kNoIndex: flat corner
     std::vector<Vec2> uvs;
-    std::vector<std::array<std::uint32_t, 3>> uvIndices;     // empty, or one per triangle; kNoIndex: (0, 0)
-    std::vector<MaterialId> materials;                       // empty, or one per triangle
-    std::vector<std::uint32_t> sourceFaces;                  // empty, or one per triangle
+    std::vector<std::array<std::uint32_t, 3>>
+        uvIndices;                          // empty, or one per triangle; kNoIndex: (0, 0)
+    std::vector<MaterialId> materials;      // empty, or one per triangle
+    std::vector<std::uint32_t> sourceFaces; // empty, or one per triangle
 };
 
 struct Sphere {
@@ -52,7 +54,7 @@ struct Parallelogram {
 
 /// One rt_custom of a plugin with the frame it stands in; shared by its primitives.
 struct CustomShape {
-    rt_custom shape;                   // shape.data is released with the last reference
+    rt_custom shape; // shape.data is released with the last reference
     AffineTransform worldFromObject, objectFromWorld;
 };
 
@@ -69,7 +71,7 @@ struct Customs {
 
 /// A run of primitives of one kind that one shape of one object emitted.
 struct Segment {
-    PrimitiveId first;   // ids first .. first + count - 1
+    PrimitiveId first; // ids first .. first + count - 1
     std::uint32_t count;
     Kind kind;
     bool solid;
@@ -86,7 +88,9 @@ struct Primitives {
     std::vector<Segment> segments; // by rising `first`, without gaps; id 0 is the first primitive
 
     std::uint32_t count() const {
-        return segments.empty() ? 0 : static_cast<std::uint32_t>(segments.back().first) + segments.back().count;
+        return segments.empty()
+                   ? 0
+                   : static_cast<std::uint32_t>(segments.back().first) + segments.back().count;
     }
     /// The segment that holds `id`. Precondition: id < count().
     const Segment& segmentOf(PrimitiveId id) const;

@@ -7,8 +7,8 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     rt::formats::ReadPictureOptions options;
     options.maxPixels = 1 << 16;
     rt::scene::Diagnostics diagnostics;
-    const auto picture =
-        rt::formats::decodePicture({reinterpret_cast<const char*>(data), size}, options, diagnostics, {});
+    const auto picture = rt::formats::decodePicture({reinterpret_cast<const char*>(data), size},
+                                                    options, diagnostics, {});
     if (picture.has_value() == diagnostics.failed() || diagnostics.errorCount() > 1) std::abort();
     return 0;
 }

@@ -17,7 +17,8 @@ int main(int count, char** arguments) {
         ++runs;
     };
     for (int i = 1; i < count; ++i) {
-        if (!fs::is_directory(arguments[i])) run(arguments[i]);
+        if (!fs::is_directory(arguments[i]))
+            run(arguments[i]);
         else
             for (const auto& entry : fs::directory_iterator(arguments[i])) run(entry.path());
     }

@@ -119,7 +119,8 @@ TEST(Load, RefusesRowsThatBreakTheRules) {
     EXPECT_EQ(whyRefused("row_choice"),
               "its parameter 'radius' has choices without being a choice, or none");
     EXPECT_EQ(whyRefused("row_loads"), "its parameter 'radius' cannot be loaded");
-    EXPECT_EQ(whyRefused("row_default"), "its parameter 'radius' has a default that must be >= 0 and <= 1 (got 2)");
+    EXPECT_EQ(whyRefused("row_default"),
+              "its parameter 'radius' has a default that must be >= 0 and <= 1 (got 2)");
 }
 
 TEST(Load, RefusesWhatIsNoModuleFile) {
