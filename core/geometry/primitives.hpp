@@ -38,7 +38,7 @@ struct Triangles {
         normalIndices; // empty, or one per triangle; kNoIndex: flat corner
     std::vector<Vec2> uvs;
     std::vector<std::array<std::uint32_t, 3>>
-        uvIndices;                          // empty, or one per triangle; kNoIndex: (0, 0)
+        uvIndices; // empty, or one per triangle; kNoIndex: (0, 0), in all three corners: no uvs
     std::vector<MaterialId> materials;      // empty, or one per triangle
     std::vector<std::uint32_t> sourceFaces; // empty, or one per triangle
 };

@@ -108,7 +108,9 @@ void surfaceOfTriangle(const Triangles& triangles, std::uint32_t index, const Ra
         if (squared > gamma(16) * gamma(16)) s.shadingNormal = sum * (1 / std::sqrt(squared));
     }
     s.uv = {hit.u, hit.v};
-    if (!triangles.uvIndices.empty()) {
+    // A mesh without uvs keeps its weights, whether or not another mesh of the scene has some.
+    if (!triangles.uvIndices.empty() &&
+        triangles.uvIndices[index] != std::array{kNoIndex, kNoIndex, kNoIndex}) {
         s.uv = Vec2(0.0);
         for (int i = 0; i < 3; ++i)
             if (const auto t = triangles.uvIndices[index][static_cast<std::size_t>(i)];

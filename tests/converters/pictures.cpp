@@ -151,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 13},
                     Bar{"cases/s4_aa.inf", "reference/s4_aa.png", 50, false, 0.25},
                     Bar{"cases/s4_smooth.inf", "reference/s4_smooth.png", 50, false, 0.25}),
-    [](const auto& info) {
-        std::string name = std::filesystem::path(info.param.scene).stem().string();
+    [](const auto& tested) {
+        std::string name = std::filesystem::path(tested.param.scene).stem().string();
         return name == "Scene" ? std::string("author_b") : name;
     });
 

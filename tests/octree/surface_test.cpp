@@ -138,6 +138,24 @@ TEST(SpawnRay, MeetsAParallelNeighbourCloseBy) {
     }
 }
 
+/// A triangle without uvs once had (0, 0) as soon as any other mesh of the scene had uvs.
+TEST(Surface, UvOfAMeshDoesNotDependOnOtherMeshes) {
+    Primitives p;
+    p.triangles.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    p.triangles.indices = {{0, 1, 2}};
+    p.segments = {{geometry::PrimitiveId{0}, 1, geometry::Kind::triangle, false, 0, {}, {}}};
+    Ray ray;
+    ray.origin = {0.25, 0.5, 1};
+    ray.direction = {0, 0, -1};
+    const Hit hit = Octree::build(p).closest(ray);
+    ASSERT_TRUE(hit);
+    const auto alone = geometry::surfaceAt(p, ray, hit).uv;
+    p.triangles.uvs = {{0.5, 0.5}}; // of some other mesh
+    p.triangles.uvIndices = {{geometry::kNoIndex, geometry::kNoIndex, geometry::kNoIndex}};
+    EXPECT_EQ(geometry::surfaceAt(p, ray, hit).uv, alone);
+    EXPECT_EQ(alone, (geometry::Vec2{0.25, 0.5}));
+}
+
 TEST(SpawnRay, ToAPointStopsBeforeIt) {
     Primitives p;
     addParallelograms(p,
