@@ -423,11 +423,11 @@ private:
     }
 
     /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.
-    float leafCost(std::uint32_t begin, std::uint32_t end) const {
+    float leafCost(const Cell& cell) const {
         constexpr float kBlock = 1, kCustom = 4;
-        if (sharesBlock(primitives_, references_ + begin, references_ + end)) return kBlock;
+        if (cell.sharesBlock) return kBlock;
         std::uint32_t count[4] = {};
-        for (std::uint32_t i = begin; i < end; ++i) ++count[references_[i].kind];
+        for (std::uint32_t i = cell.begin; i < cell.end; ++i) ++count[references_[i].kind];
         float cost = kCustom * static_cast<float>(count[3]);
         for (int kind = 0; kind < 3; ++kind)
             cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
@@ -440,7 +440,13 @@ private:
         constexpr float kNode = 1;
         const std::uint32_t size = cell.end - cell.begin;
         const bool leafAllowed = size <= maxObjects_ || !cell.isCut();
-        const float leaf = leafAllowed ? area * leafCost(cell.begin, cell.end) : kInfinityF32;
+        // What does not fit from one side does not fit with the other.
+        const bool mayShare = !cell.isCut() || (cells_.cells_[cell.below].sharesBlock &&
+                                                cells_.cells_[cell.above].sharesBlock);
+        cell.sharesBlock =
+            leafAllowed && mayShare &&
+            sharesBlock(primitives_, references_ + cell.begin, references_ + cell.end);
+        const float leaf = leafAllowed ? area * leafCost(cell) : kInfinityF32;
         if (!cell.isCut()) {
             for (int n = 0; n < kNodeChildren; ++n) {
                 cell.cost[n] = leaf;

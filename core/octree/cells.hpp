@@ -34,7 +34,7 @@ struct Cell {
     float plane;                // on `axis`; primitives with centre < plane are below
     std::uint8_t axis;
     std::uint8_t open; // bit per axis that this level had not cut yet, before this cut
-    std::uint8_t leafAllowed;
+    std::uint8_t sharesBlock;   // as a leaf it is one shared block
     std::uint8_t reserved;
     float cost[kNodeChildren];         // [n]: of this cell in n + 1 or fewer slots of a node
     std::uint8_t split[kNodeChildren]; // [n]: slots of them that go below; 0: one slot suffices
@@ -49,8 +49,12 @@ class CornerSet {
 public:
     /// Its place; -1 when it is new and there is none left.
     int add(std::uint32_t corner) {
-        for (int i = 0; i < size_; ++i)
-            if (corners_[i] == corner) return i;
+        // All places at once: a search that stops early costs a mispredicted branch each time.
+        unsigned found = 0;
+        for (unsigned i = 0; i < kSharedLanes; ++i)
+            found |= static_cast<unsigned>(corners_[i] == corner) << i;
+        found &= (1u << size_) - 1;
+        if (found) return __builtin_ctz(found);
         if (size_ == kSharedLanes) return -1;
         corners_[size_] = corner;
         return size_++;
@@ -59,7 +63,7 @@ public:
     std::uint32_t at(int i) const { return corners_[i]; }
 
 private:
-    std::uint32_t corners_[kSharedLanes];
+    std::uint32_t corners_[kSharedLanes] = {};
     int size_ = 0;
 };
 

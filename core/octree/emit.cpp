@@ -155,7 +155,7 @@ private:
     Extent measureLeaf(std::uint32_t cell, LeafContents& contents) const {
         const Reference* const first = cells_.references() + cells_[cell].begin;
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
-        if (sharesBlock(primitives_, first, first + count)) {
+        if (cells_[cell].sharesBlock) {
             Extent e;
             e.shared = 1;
             return e;
@@ -290,7 +290,7 @@ private:
     std::uint32_t emitLeaf(std::uint32_t cell, Extent& at, LeafContents& contents) {
         const Reference* const first = cells_.references() + cells_[cell].begin;
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
-        if (sharesBlock(primitives_, first, first + count)) {
+        if (cells_[cell].sharesBlock) {
             fillShared(tree_.shared[at.shared], first, count);
             return leafReference(kSharedLeaf, at.shared++);
         }

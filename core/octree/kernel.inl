@@ -466,7 +466,9 @@ inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, con
     return better;
 }
 
-inline bool closestInTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
+// Leaves of other kinds are calls: inlined beside the shared blocks' they would push what the loop over
+// nodes needs out of the registers (octree_bench, bunny, primary rays: 14 % faster so).
+[[gnu::noinline]] bool closestInTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
                                Best& best) {
     Solution s;
     Edges e;
@@ -479,7 +481,7 @@ inline bool closestInTriangles(const TriangleBlock& block, const Frame& f, std::
     return takeBest(lanes, t, u, v, block.id, best);
 }
 
-inline bool closestInParallelograms(const ParallelogramBlock& block, const Frame& f,
+[[gnu::noinline]] bool closestInParallelograms(const ParallelogramBlock& block, const Frame& f,
                                     std::uint32_t exclude, Best& best) {
     Solution s;
     unsigned touched;
@@ -492,7 +494,7 @@ inline bool closestInParallelograms(const ParallelogramBlock& block, const Frame
     return takeBest(lanes, t, u, v, block.id, best);
 }
 
-inline bool closestInSpheres(const SphereBlock& block, const Frame& f, Best& best) {
+[[gnu::noinline]] bool closestInSpheres(const SphereBlock& block, const Frame& f, Best& best) {
     F64 s;
     const unsigned lanes = hitSpheres(block, f, best.t, s);
     if (!lanes) return false;
@@ -522,7 +524,7 @@ inline unsigned lanesInUse(const std::uint32_t* id) {
 }
 
 template <bool kCount>
-inline bool closestInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
+[[gnu::noinline]] bool closestInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
                             const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
     bool better = false;
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
@@ -595,7 +597,7 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
     const Order order = orderOf(box.mirror);
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
-    int top = 0;
+    std::size_t top = 0;
     float limit = boxLimit(box, best.t);
     std::uint32_t current = 0;
     for (;;) {
@@ -619,27 +621,42 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
     }
 }
 
-template <bool kCount>
-inline bool anyInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
-                        const Frame& f, std::uint32_t exclude, double limit, Visits* visits) {
+[[gnu::noinline]] bool anyInTriangles(const TriangleBlock& block, const Frame& f, double limit,
+                                      std::uint32_t exclude) {
     Solution s;
     Edges e;
-    F64 t;
+    return hitTriangles(block, f, limit, exclude, s, e);
+}
+
+[[gnu::noinline]] bool anyInParallelograms(const ParallelogramBlock& block, const Frame& f,
+                                           double limit, std::uint32_t exclude) {
+    Solution s;
     unsigned touched;
+    return hitParallelograms(block, f, limit, exclude, s, touched);
+}
+
+[[gnu::noinline]] bool anyInSpheres(const SphereBlock& block, const Frame& f, double limit) {
+    F64 t;
+    return hitSpheres(block, f, limit, t);
+}
+
+template <bool kCount>
+[[gnu::noinline]] bool anyInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
+                        const Frame& f, std::uint32_t exclude, double limit, Visits* visits) {
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
         const TriangleBlock& block = tree.triangles[leaf.triangles + i];
         if (kCount) visits->triangles += lanesInUse(block.id);
-        if (hitTriangles(block, f, limit, exclude, s, e)) return true;
+        if (anyInTriangles(block, f, limit, exclude)) return true;
     }
     for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i) {
         const SphereBlock& block = tree.spheres[leaf.spheres + i];
         if (kCount) visits->spheres += lanesInUse(block.id);
-        if (hitSpheres(block, f, limit, t)) return true;
+        if (anyInSpheres(block, f, limit)) return true;
     }
     for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i) {
         const ParallelogramBlock& block = tree.parallelograms[leaf.parallelograms + i];
         if (kCount) visits->parallelograms += lanesInUse(block.id);
-        if (hitParallelograms(block, f, limit, exclude, s, touched)) return true;
+        if (anyInParallelograms(block, f, limit, exclude)) return true;
     }
     for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
         const CustomRun& run = tree.runs[leaf.runs + i];
@@ -655,10 +672,6 @@ template <bool kCount>
 inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, const Frame& f,
                       std::uint32_t exclude, double limit, Visits* visits) {
     const std::uint32_t index = reference & kLeafIndex;
-    Solution s;
-    Edges e;
-    F64 t;
-    unsigned touched;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
         if (kCount)
@@ -667,13 +680,13 @@ inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& 
         return anyInShared(tree.shared[index], f, tree.scale, exclude, limit);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
-        return hitTriangles(tree.triangles[index], f, limit, exclude, s, e);
+        return anyInTriangles(tree.triangles[index], f, limit, exclude);
     case kSphereLeaf:
         if (kCount) visits->spheres += lanesInUse(tree.spheres[index].id);
-        return hitSpheres(tree.spheres[index], f, limit, t);
+        return anyInSpheres(tree.spheres[index], f, limit);
     case kParallelogramLeaf:
         if (kCount) visits->parallelograms += lanesInUse(tree.parallelograms[index].id);
-        return hitParallelograms(tree.parallelograms[index], f, limit, exclude, s, touched);
+        return anyInParallelograms(tree.parallelograms[index], f, limit, exclude);
     default:
         return anyInRecord<kCount>(tree, tree.records[index], ray, f, exclude, limit, visits);
     }
@@ -701,7 +714,7 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
     const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
-    int top = 0;
+    std::size_t top = 0;
     std::uint32_t current = 0;
     for (;;) {
         if (!(current & kLeaf)) {
@@ -811,7 +824,7 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
     const BoxLanes lanes = lanesOf(box);
     const F32 limit = all(boxLimit(box, ray.tMax));
     std::uint32_t references[kStackSize];
-    int top = 0;
+    std::size_t top = 0;
     std::uint32_t current = 0;
     for (;;) {
         const std::uint32_t index = current & kLeafIndex;

@@ -104,7 +104,7 @@ inline __m256i compressing(unsigned mask) {
 
 /// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
 inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, int& top) {
+                             std::uint32_t* references, float* enters, std::size_t& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     const std::uint32_t next = node.child[nearest];
     mask &= ~(1u << nearest);
@@ -117,19 +117,19 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_permutevar8x32_epi32(child, from));
     _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));
-    top += __builtin_popcount(mask);
+    top += static_cast<unsigned>(__builtin_popcount(mask));
     return next;
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, int& top) {
+inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, std::size_t& top) {
     const std::uint32_t next = node.child[__builtin_ctz(mask)];
     mask &= mask - 1;
     if (!mask) return next;
     const __m256i child = _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_permutevar8x32_epi32(child, compressing(mask)));
-    top += __builtin_popcount(mask);
+    top += static_cast<unsigned>(__builtin_popcount(mask));
     return next;
 }
 

@@ -126,7 +126,7 @@ inline Order orderOf(unsigned mirror) { return {mirror}; }
 
 /// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
 inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, int& top) {
+                             std::uint32_t* references, float* enters, std::size_t& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     mask &= ~(1u << nearest);
     if (mask) {
@@ -144,7 +144,7 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, int& top) {
+inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, std::size_t& top) {
     const std::uint32_t next = node.child[__builtin_ctz(mask)];
     for (mask &= mask - 1; mask; mask &= mask - 1)
         references[top++] = node.child[__builtin_ctz(mask)];
