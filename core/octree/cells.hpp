@@ -33,8 +33,8 @@ struct Cell {
     std::uint32_t below, above; // the two sides of the cut; kNoCell in a cell that is not cut
     float plane;                // on `axis`; primitives with centre < plane are below
     std::uint8_t axis;
-    std::uint8_t open; // bit per axis that this level had not cut yet, before this cut
-    std::uint8_t sharesBlock;   // as a leaf it is one shared block
+    std::uint8_t open;        // bit per axis that this level had not cut yet, before this cut
+    std::uint8_t sharesBlock; // as a leaf it is one shared block
     std::uint8_t reserved;
     float cost[kNodeChildren];         // [n]: of this cell in n + 1 or fewer slots of a node
     std::uint8_t split[kNodeChildren]; // [n]: slots of them that go below; 0: one slot suffices

@@ -468,8 +468,8 @@ inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, con
 
 // Leaves of other kinds are calls: inlined beside the shared blocks' they would push what the loop over
 // nodes needs out of the registers (octree_bench, bunny, primary rays: 14 % faster so).
-[[gnu::noinline]] bool closestInTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
-                               Best& best) {
+[[gnu::noinline]] bool closestInTriangles(const TriangleBlock& block, const Frame& f,
+                                          std::uint32_t exclude, Best& best) {
     Solution s;
     Edges e;
     const unsigned lanes = hitTriangles(block, f, best.t, exclude, s, e);
@@ -482,7 +482,7 @@ inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, con
 }
 
 [[gnu::noinline]] bool closestInParallelograms(const ParallelogramBlock& block, const Frame& f,
-                                    std::uint32_t exclude, Best& best) {
+                                               std::uint32_t exclude, Best& best) {
     Solution s;
     unsigned touched;
     const unsigned lanes = hitParallelograms(block, f, best.t, exclude, s, touched);
@@ -525,7 +525,8 @@ inline unsigned lanesInUse(const std::uint32_t* id) {
 
 template <bool kCount>
 [[gnu::noinline]] bool closestInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
-                            const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
+                                       const Frame& f, std::uint32_t exclude, Best& best,
+                                       Visits* visits) {
     bool better = false;
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
         const TriangleBlock& block = tree.triangles[leaf.triangles + i];
@@ -642,7 +643,8 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
 
 template <bool kCount>
 [[gnu::noinline]] bool anyInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
-                        const Frame& f, std::uint32_t exclude, double limit, Visits* visits) {
+                                   const Frame& f, std::uint32_t exclude, double limit,
+                                   Visits* visits) {
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
         const TriangleBlock& block = tree.triangles[leaf.triangles + i];
         if (kCount) visits->triangles += lanesInUse(block.id);

@@ -144,7 +144,8 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references, std::size_t& top) {
+inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references,
+                             std::size_t& top) {
     const std::uint32_t next = node.child[__builtin_ctz(mask)];
     for (mask &= mask - 1; mask; mask &= mask - 1)
         references[top++] = node.child[__builtin_ctz(mask)];
