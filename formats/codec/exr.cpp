@@ -1,5 +1,5 @@
 // OpenEXR by its own library: OpenCV's encoder goes through a file in the temporary folder and its errors to stderr.
-#include <formats/codec/codec.h>
+#include <formats/codec/guarded.hpp>
 
 #include <OpenEXR/ImfArray.h>
 #include <OpenEXR/ImfChannelList.h>
@@ -116,18 +116,6 @@ void decodeOrThrow(const void* bytes, std::size_t count, const rt_codec_host& ho
             for (int c = 0; c < 3; ++c) to[c] = from[luminance ? 0 : c];
         }
     }
-}
-
-template <class Work> int guarded(const rt_codec_host* host, Work work) {
-    try {
-        work();
-        return 1;
-    } catch (const std::exception& e) {
-        std::snprintf(host->error, host->error_size, "%s", e.what());
-    } catch (...) {
-        std::snprintf(host->error, host->error_size, "unknown error");
-    }
-    return 0;
 }
 
 int encode(std::uint32_t, const rt_samples* samples, const rt_encode_settings*,

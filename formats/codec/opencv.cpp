@@ -1,5 +1,5 @@
 // BMP and Radiance HDR by OpenCV.
-#include <formats/codec/codec.h>
+#include <formats/codec/guarded.hpp>
 
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -63,18 +63,6 @@ void decodeOrThrow(const void* bytes, std::size_t count, const rt_codec_host& ho
         toRgb(image, static_cast<std::uint8_t*>(to));
     else
         throw std::runtime_error("its samples are neither 8 or 16 bits nor binary32");
-}
-
-template <class Work> int guarded(const rt_codec_host* host, Work work) {
-    try {
-        work();
-        return 1;
-    } catch (const std::exception& e) {
-        std::snprintf(host->error, host->error_size, "%s", e.what());
-    } catch (...) {
-        std::snprintf(host->error, host->error_size, "unknown error");
-    }
-    return 0;
 }
 
 int encode(std::uint32_t, const rt_samples* samples, const rt_encode_settings*,
