@@ -3,6 +3,7 @@
 #include <core/cli/exit_codes.hpp>
 #include <core/cli/load_scene.hpp>
 #include <core/cli/output.hpp>
+#include <core/geometry/bounds.hpp>
 #include <core/octree/octree.hpp>
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
@@ -20,22 +21,6 @@ namespace rt::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-numeric::Box3d boundsOf(const geometry::Primitives& primitives) {
-    numeric::Box3d bounds;
-    for (const auto& triangle : primitives.triangles.indices)
-        for (const std::uint32_t corner : triangle)
-            bounds.add(primitives.triangles.positions[corner]);
-    for (const geometry::Sphere& sphere : primitives.spheres)
-        bounds.add(numeric::Box3d{sphere.center - sphere.radius, sphere.center + sphere.radius});
-    for (const geometry::Parallelogram& p : primitives.parallelograms)
-        for (const numeric::Vec3& corner :
-             {p.origin, p.origin + p.edgeU, p.origin + p.edgeV, p.origin + p.edgeU + p.edgeV})
-            bounds.add(corner);
-    for (const geometry::CustomPrimitive& custom : primitives.customs.primitives)
-        bounds.add(custom.bounds);
-    return bounds;
-}
 
 template <class T> std::uint64_t bytesOf(const std::vector<T>& items) {
     return items.size() * sizeof(T);
@@ -154,7 +139,7 @@ std::string asText(const Facts& f) {
                            counted(p.spheres.size(), "sphere") + ", " +
                            counted(p.parallelograms.size(), "parallelogram") + ", " +
                            counted(p.customs.primitives.size(), "custom"));
-    if (const numeric::Box3d bounds = boundsOf(p); !bounds.empty())
+    if (const numeric::Box3d bounds = geometry::boundsOf(p); !bounds.empty())
         line("bounds", spelled(bounds.min) + " to " + spelled(bounds.max));
     if (d.animation)
         line("animation", counted(d.animation->frames, "frame") + ", " + spelled(d.animation->fps) +
@@ -195,7 +180,7 @@ Json asJson(const Facts& f) {
                           {"spheres", p.spheres.size()},
                           {"parallelograms", p.parallelograms.size()},
                           {"customs", p.customs.primitives.size()}};
-    if (const numeric::Box3d bounds = boundsOf(p); !bounds.empty())
+    if (const numeric::Box3d bounds = geometry::boundsOf(p); !bounds.empty())
         json["bounds"] = {{"min", vector(bounds.min)}, {"max", vector(bounds.max)}};
     json["octree"] = {{"depth", f.tree.depth}, {"nodes", f.tree.nodes}, {"leaves", f.tree.leaves}};
     const auto namers = namersOf(d);

@@ -1,5 +1,6 @@
 #include <core/film/frame.hpp>
 
+#include <core/geometry/bounds.hpp>
 #include <core/numeric/transform.hpp>
 
 #include <algorithm>
@@ -27,32 +28,6 @@ std::array<Vec3, 3> cornersOf(const geometry::Triangles& triangles, std::uint32_
 std::uint32_t sourceFaceOf(const geometry::Triangles& triangles, const Segment& segment,
                            std::uint32_t index) {
     return triangles.sourceFaces.empty() ? index - segment.index : triangles.sourceFaces[index];
-}
-
-Box3d boundsOf(const geometry::Primitives& primitives, const Segment& segment) {
-    Box3d box;
-    for (std::uint32_t i = segment.index; i < segment.index + segment.count; ++i)
-        switch (segment.kind) {
-        case Kind::triangle:
-            for (const Vec3& p : cornersOf(primitives.triangles, i)) box.add(p);
-            break;
-        case Kind::sphere: {
-            const geometry::Sphere& s = primitives.spheres[i];
-            box.add(Box3d{s.center - Vec3(s.radius), s.center + Vec3(s.radius)});
-            break;
-        }
-        case Kind::parallelogram: {
-            const geometry::Parallelogram& p = primitives.parallelograms[i];
-            for (const Vec3& corner :
-                 {p.origin, p.origin + p.edgeU, p.origin + p.edgeV, p.origin + p.edgeU + p.edgeV})
-                box.add(corner);
-            break;
-        }
-        case Kind::custom:
-            box.add(primitives.customs.primitives[i].bounds);
-            break;
-        }
-    return box;
 }
 
 RestObject restOfOne(const geometry::Primitives& primitives, const Segment& segment) {

@@ -1,5 +1,6 @@
 #include <core/trace/stage.hpp>
 
+#include <core/geometry/bounds.hpp>
 #include <core/numeric/rounding.hpp>
 
 #include <algorithm>
@@ -12,30 +13,8 @@ using geometry::Primitives;
 using geometry::Segment;
 using numeric::Box3d;
 
-Box3d boundsOf(const Primitives& primitives, const Segment& segment) {
-    Box3d box;
-    for (std::uint32_t i = segment.index; i < segment.index + segment.count; ++i)
-        switch (segment.kind) {
-        case Kind::triangle:
-            for (const auto corner : primitives.triangles.indices[i])
-                box.add(primitives.triangles.positions[corner]);
-            break;
-        case Kind::sphere: {
-            const auto& [center, radius] = primitives.spheres[i];
-            box.add(center - radius);
-            box.add(center + radius);
-            break;
-        }
-        case Kind::parallelogram: {
-            const auto& [origin, u, v] = primitives.parallelograms[i];
-            for (const Vec3& corner : {origin, origin + u, origin + v, origin + u + v})
-                box.add(corner);
-            break;
-        }
-        case Kind::custom:
-            box.add(primitives.customs.primitives[i].bounds);
-            break;
-        }
+Box3d boundsWithSlack(const Primitives& primitives, const Segment& segment) {
+    Box3d box = geometry::boundsOf(primitives, segment);
     // Surfaces coincide when they are within each other's error bounds: γ32 of their coordinates.
     const double slack =
         numeric::gamma(32) * std::max(numeric::maxComponent(numeric::abs(box.min)),
@@ -72,7 +51,7 @@ std::vector<bool> objectsThatMayCoincide(const world::World& world) {
     };
     std::vector<Extent> extents;
     for (const Segment& s : segments)
-        extents.push_back({boundsOf(world.primitives, s), static_cast<std::size_t>(s.object),
+        extents.push_back({boundsWithSlack(world.primitives, s), static_cast<std::size_t>(s.object),
                            segmentTransmits(world, s)});
     // Sweep along x: only boxes that are open at the same x are compared.
     std::sort(extents.begin(), extents.end(),

@@ -1,5 +1,6 @@
 #include <core/view/viewer.hpp>
 
+#include <core/geometry/bounds.hpp>
 #include <core/geometry/surface.hpp>
 #include <core/image/quantize.hpp>
 #include <core/trace/camera.hpp>
@@ -345,14 +346,7 @@ private:
 
     /// A hundredth of the scene's diagonal a key.
     double defaultSpeed() const {
-        numeric::Box3d box;
-        const auto& primitives = stage_->world.primitives;
-        for (const auto& p : primitives.triangles.positions) box.add(p);
-        for (const auto& s : primitives.spheres)
-            box.add({s.center - Vec3(s.radius), s.center + Vec3(s.radius)});
-        for (const auto& p : primitives.parallelograms)
-            box.add(p.origin), box.add(p.origin + p.edgeU + p.edgeV);
-        for (const auto& c : primitives.customs.primitives) box.add(c.bounds);
+        const numeric::Box3d box = geometry::boundsOf(stage_->world.primitives);
         return box.empty() ? 1 : numeric::length(box.diagonal()) / 100;
     }
 
