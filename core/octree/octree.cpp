@@ -53,6 +53,12 @@ Simd chosenLevel() {
     return level;
 }
 
+void requireEqualSizes(std::size_t rays, std::size_t answers) {
+    if (rays != answers)
+        throw std::invalid_argument("a batch of " + std::to_string(rays) +
+                                    " rays needs as many answers, not " + std::to_string(answers));
+}
+
 bool byTThenId(const Crossing& a, const Crossing& b) {
     return a.t != b.t ? a.t < b.t : a.id < b.id;
 }
@@ -208,6 +214,18 @@ bool Octree::crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
     }
     std::sort(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(), byTThenId);
     return true;
+}
+
+void Octree::closest(std::span<const Ray> rays, std::span<Hit> hits, Coherence,
+                     Visits* visits) const {
+    requireEqualSizes(rays.size(), hits.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest(rays[i], visits);
+}
+
+void Octree::occluded(std::span<const Ray> rays, std::span<std::uint8_t> answers, Coherence,
+                      Visits* visits) const {
+    requireEqualSizes(rays.size(), answers.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = occluded(rays[i], visits);
 }
 
 Hit Octree::closestWithoutTree(const Ray& ray) const {

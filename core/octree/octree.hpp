@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +29,16 @@ struct Statistics {
     std::uint64_t nodes = 0, leaves = 0, blocks = 0, bytes = 0;
     std::uint32_t depth = 0;
     std::vector<std::uint64_t> leafHistogram; // [n]: leaves with n primitives
+};
+
+/// What the caller knows of a batch of rays; it decides the speed, never the answers.
+enum class Coherence : std::uint8_t {
+    /// Neighbours in the span start and point alike: camera rays of a tile in small blocks (best 4x4),
+    /// shadow rays from there to one light. They are traced together, 16 at a time.
+    coherent,
+    /// Neighbours have nothing in common: several are traced in turns, so that one works while
+    /// another waits for memory, where the tree is too large for the caches.
+    incoherent
 };
 
 /// Counters of one traversal thread; filled only by the counting twin of each query.
@@ -56,6 +67,16 @@ public:
     /// A ray through an edge or a corner of a mesh crosses one of the triangles around it.
     bool crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
                    std::vector<Crossing>& out, Visits* visits = nullptr) const;
+
+    /// hits[i] = closest(rays[i]), with the same bits, for any number of rays. `coherence` is of neighbours
+    /// in the span. Rays and hits are read and written only during the call; each hit is written once.
+    /// Visits count what was really done: a node or a triangle that 16 rays meet together counts once.
+    /// Throws std::invalid_argument unless the spans are of equal size.
+    void closest(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence,
+                 Visits* visits = nullptr) const;
+    /// answers[i] = occluded(rays[i]), 0 or 1; otherwise as above.
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> answers, Coherence coherence,
+                  Visits* visits = nullptr) const;
 
     /// As closest, but every block of every leaf is tested, without the nodes: for tests.
     Hit closestWithoutTree(const Ray& ray) const;
