@@ -27,7 +27,7 @@ const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"}
 const std::vector<std::string> kProgressStyles{"auto", "bar", "plain", "none"};
 const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
 const std::vector<std::string> kEncodings{"srgb", "linear"};
-const std::vector<std::string> kPluginKinds{"shape", "texture", "loader"};
+const std::vector<std::string> kNewKinds{"scene", "shape", "texture", "loader"};
 const std::vector<std::string> kShells{"bash", "zsh", "fish"};
 
 std::string choiceName(const std::vector<std::string>& choices) {
@@ -525,15 +525,16 @@ void Program::addPlugins() {
 }
 
 void Program::addNew() {
-    Command& c = add("new", "Write the project of a new plugin, which builds and renders at once.",
+    Command& c = add("new", "Write a first scene, or the project of a plugin that builds at once.",
+                     "rt new scene first             # ./first.yaml, ready to render\n"
                      "rt new shape torus             # ./torus: source, CMakeLists.txt, scene\n"
-                     "rt new texture wood            # likewise\n"
                      "rt new loader stl --folder s   # in another folder\n");
     NewOptions& o = new_;
-    c.argument("kind", "KIND", "shape, texture or loader.", o.kind);
-    c.argument("name", "NAME", "The type's name in scenes: a-z, 0-9 and _.", o.name);
+    c.argument("kind", "KIND", "scene, shape, texture or loader.", o.kind);
+    c.argument("name", "NAME", "Of the scene's file, or of the type in scenes: a-z, 0-9 and _.",
+               o.name);
     c.option("--folder", "DIR",
-             "Write into this folder, which must be new or empty; ./NAME by default.",
+             "Write into this folder; a plugin's must be new or empty and is ./NAME by default.",
              [&o](const std::string& word) { o.folder = checkedOutput(word); });
 }
 
@@ -642,7 +643,7 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     if (line.command == "compare") line.options = compare_;
     if (line.command == "plugins") line.options = plugins_;
     if (line.command == "new") {
-        parseChoice(new_.kind, kPluginKinds);
+        parseChoice(new_.kind, kNewKinds);
         line.options = new_;
     }
     if (line.command == "explain") line.options = explain_;

@@ -97,9 +97,9 @@ struct PluginsOptions {
 };
 
 struct NewOptions {
-    std::string kind; // "shape", "texture" or "loader"
+    std::string kind; // "scene", "shape", "texture" or "loader"
     std::string name;
-    std::string folder; // empty: ./name
+    std::string folder; // empty: . for a scene, else ./name
 };
 
 struct ExplainOptions {

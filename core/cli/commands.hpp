@@ -13,7 +13,7 @@ int schema(const SchemaOptions& options, Console& console);
 int convert(const ConvertOptions& options, Console& console);
 int compare(const CompareOptions& options, Console& console);
 int plugins(const PluginsOptions& options, Console& console);
-int newPlugin(const NewOptions& options, Console& console);
+int newFiles(const NewOptions& options, Console& console);
 int explain(const ExplainOptions& options, Console& console);
 int completion(const CompletionOptions& options, Console& console);
 int version(const VersionOptions& options, Console& console);

@@ -25,7 +25,7 @@ struct Run {
     int operator()(const ConvertOptions& o) const { return convert(o, console); }
     int operator()(const CompareOptions& o) const { return compare(o, console); }
     int operator()(const PluginsOptions& o) const { return plugins(o, console); }
-    int operator()(const NewOptions& o) const { return newPlugin(o, console); }
+    int operator()(const NewOptions& o) const { return newFiles(o, console); }
     int operator()(const ExplainOptions& o) const { return explain(o, console); }
     int operator()(const CompletionOptions& o) const { return completion(o, console); }
     int operator()(const VersionOptions& o) const { return version(o, console); }

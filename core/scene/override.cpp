@@ -2,6 +2,7 @@
 
 #include <core/scene/codes.hpp>
 #include <core/scene/language.hpp>
+#include <core/scene/names.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -121,10 +122,9 @@ public:
     /// The item of `list` that is called `key` or has that number; a typed item's own map.
     Node* intoList(Node& list, const std::string& key, std::uint32_t column,
                    const std::string& path) {
-        for (Node& item : list.items)
-            if (const Node* name = innerOf(item).find("name");
-                name && name->kind == Kind::scalar && name->text == key)
-                return &innerOf(item);
+        const std::vector<std::string> names = namesOf(list);
+        if (const auto found = std::find(names.begin(), names.end(), key); found != names.end())
+            return &innerOf(list.items[static_cast<std::size_t>(found - names.begin())]);
         std::size_t number = 0;
         const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
         if (error == std::errc{} && end == key.data() + key.size()) {
@@ -132,7 +132,7 @@ public:
             return fail(column, path + " has " + std::to_string(list.items.size()) +
                                     " items, numbered from 0; there is none of number " + key);
         }
-        const std::string near = nearest(key, namesOf(list));
+        const std::string near = nearest(key, names);
         return fail(column, path + " has no item named " + quoted(key),
                     near.empty() ? "" : "did you mean '" + near + "'?");
     }
@@ -143,20 +143,24 @@ public:
         return nullptr;
     }
 
-    /// Of the items of `list` that have one.
+    /// One per item of `list`, as the description will have them.
     static std::vector<std::string> namesOf(const Node& list) {
-        std::vector<std::string> names;
-        for (const Node& item : list.items)
-            if (const Node* name = innerOf(item).find("name"); name && name->kind == Kind::scalar)
-                names.push_back(name->text);
-        return names;
+        std::vector<TypedName> items;
+        for (const Node& item : list.items) {
+            const Node* name = innerOf(item).find("name");
+            items.push_back({isTyped(item) ? item.members.front().key : std::string_view(),
+                             name && name->kind == Kind::scalar ? name->text : std::string_view()});
+        }
+        return withInventedNames(items);
     }
 
 private:
+    static bool isTyped(const Node& item) {
+        return item.kind == Kind::map && item.members.size() == 1 &&
+               item.members.front().value.kind == Kind::map;
+    }
     template <class NodeOrConst> static NodeOrConst& innerOf(NodeOrConst& item) {
-        const bool isTyped = item.kind == Kind::map && item.members.size() == 1 &&
-                             item.members.front().value.kind == Kind::map;
-        return isTyped ? item.members.front().value : item;
+        return isTyped(item) ? item.members.front().value : item;
     }
 
     std::shared_ptr<const Source> source_;

@@ -3,6 +3,7 @@
 #include <core/numeric/rounding.hpp>
 #include <core/scene/codes.hpp>
 #include <core/scene/map_reader.hpp>
+#include <core/scene/names.hpp>
 #include <core/scene/validate_animation.hpp>
 
 #include <algorithm>
@@ -396,7 +397,7 @@ private:
             if (!light.name.empty())
                 claimName(light.name, placeOf(*type, "name"), "point light, name", places);
         }
-        inventNames(description_.lights, places,
+        inventNames(description_.lights,
                     [](const PointLight&) { return std::string_view("point"); });
     }
 
@@ -411,22 +412,11 @@ private:
                                    " is taken in line " + std::to_string(taken->second.line));
     }
 
-    /// sphere_0 for the first sphere, and so on; numbers whose name is taken are passed over.
-    template <class T, class TypeOf>
-    void inventNames(std::vector<T>& list, NamedPlaces& places, TypeOf typeOf) {
-        std::map<std::string, std::uint32_t, std::less<>> next;
-        for (T& item : list) {
-            std::uint32_t& number = next[std::string(typeOf(item))];
-            if (item.name.empty()) {
-                while (!places
-                            .emplace(std::string(typeOf(item)) + "_" + std::to_string(number),
-                                     Location{})
-                            .second)
-                    ++number;
-                item.name = std::string(typeOf(item)) + "_" + std::to_string(number);
-            }
-            ++number;
-        }
+    template <class T, class TypeOf> static void inventNames(std::vector<T>& list, TypeOf typeOf) {
+        std::vector<TypedName> items;
+        for (const T& item : list) items.push_back({typeOf(item), item.name});
+        std::vector<std::string> names = withInventedNames(items);
+        for (std::size_t i = 0; i < list.size(); ++i) list[i].name = std::move(names[i]);
     }
 
     void readMaterial(const Node& map, const Location& place, const std::string& subject,
@@ -474,7 +464,7 @@ private:
             if (const Node::Member* material = readObject(*type, object, places))
                 inlineMaterials.emplace_back(index, material);
         }
-        inventNames(description_.objects, places,
+        inventNames(description_.objects,
                     [](const Object& object) -> std::string_view { return object.shape.type; });
         for (const auto& [index, node] : inlineMaterials) {
             Object& object = description_.objects[index];
@@ -538,11 +528,14 @@ private:
             return nullptr;
         }
         const std::string near = nearest(name, materialNames_);
-        reader.report("material", {codes::kUnknownMaterial, member->value.location,
-                                   "there is no material " + scene::quoted(name),
-                                   !near.empty()            ? "did you mean '" + near + "'?"
-                                   : materialNames_.empty() ? "the scene has no section 'materials'"
-                                                            : ""});
+        reader.report("material",
+                      {codes::kUnknownMaterial, member->value.location,
+                       "there is no material " + scene::quoted(name),
+                       !near.empty() ? "did you mean '" + near + "'?"
+                       : materialNames_.empty()
+                           ? "the scene has no section 'materials'; a material may also "
+                             "stand here: {color: [1, 0, 0]}"
+                           : ""});
         return nullptr;
     }
 

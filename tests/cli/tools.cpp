@@ -284,6 +284,17 @@ TEST_F(Schema, IsJsonWithEveryShapeAndTexture) {
 
 using New = Cli;
 
+TEST_F(New, WritesASceneThatRendersAndNeverOverOne) {
+    EXPECT_EQ(rt("new scene first --folder mine").out, "mine/first.yaml\n");
+    EXPECT_EQ(rt("check mine/first.yaml").out, "mine/first.yaml: no errors\n");
+    EXPECT_EQ(rt("render mine/first.yaml --size 32x24 -o first.png").exitCode, 0);
+    const Outcome again = rt("new scene first.yaml --folder mine");
+    EXPECT_EQ(again.exitCode, 6);
+    EXPECT_EQ(again.err, "rt new: error: 'mine/first.yaml' exists already\n");
+    EXPECT_EQ(rt("new scene ../evil").err,
+              "rt new: error: the name of a scene has no '/': --folder tells where it goes\n");
+}
+
 TEST_F(New, WritesAProjectOnceAndNeverOverOne) {
     const Outcome outcome = rt("new shape ring");
     EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
@@ -294,9 +305,9 @@ TEST_F(New, WritesAProjectOnceAndNeverOverOne) {
     EXPECT_EQ(again.exitCode, 6);
     EXPECT_EQ(again.out, "");
     EXPECT_EQ(read("ring/ring.cpp"), source);
-    EXPECT_EQ(
-        rt("new shap ring").err,
-        "rt new: error: must be shape, texture or loader (got 'shap'); did you mean 'shape'?\n");
+    EXPECT_EQ(rt("new shap ring").err,
+              "rt new: error: must be scene, shape, texture or loader (got 'shap'); did you mean "
+              "'shape'?\n");
     EXPECT_NE(rt("new shape ../evil").exitCode, 0);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "../evil"));
 }

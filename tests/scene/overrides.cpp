@@ -39,6 +39,14 @@ double radius(const Applied& applied, std::size_t object) {
     return std::get<double>(applied.description.value().objects.at(object).shape.values.at(1).data);
 }
 
+TEST(Overrides, ReachObjectsByTheirInventedNames) {
+    EXPECT_EQ(radius(apply({"objects.sphere_1.radius=6"}), 1), 6);
+    EXPECT_EQ(radius(apply({"sphere_1.radius=6"}), 1), 6);
+    EXPECT_EQ(apply({"objects.sphere_2.radius=6"}).messages,
+              "--set:1:9: error[E0331]: objects has no item named 'sphere_2'; did you mean "
+              "'sphere_1'?\n    1 | objects.sphere_2.radius=6\n      |         ^\n");
+}
+
 TEST(Overrides, ReplaceAndAddKeys) {
     EXPECT_EQ(apply({"render.depth=3"}).description.value().render.depth, 3u);
     EXPECT_EQ(apply({"image={width: 8, height: 6}"}).description.value().image.width, 8u);
