@@ -33,4 +33,14 @@ inline bool isFinite(const Vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// Every component rounded to the nearest f32; infinite beyond its range.
+inline Vec3 roundedToF32(const Vec3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+/// Does f32 hold it exactly? NaN: no.
+inline bool fitsF32(const Vec3& v) {
+    const Vec3 r = roundedToF32(v);
+    return r.x == v.x && r.y == v.y && r.z == v.z;
+}
+
 } // namespace rt::numeric

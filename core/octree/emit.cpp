@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 namespace rt::octree {
 namespace {
@@ -20,13 +21,17 @@ constexpr double kUnused = std::numeric_limits<double>::quiet_NaN();
 
 /// How many of each array something takes, or where it starts in each.
 struct Extent {
-    std::uint32_t nodes = 0, shared = 0, triangles = 0, spheres = 0, parallelograms = 0,
-                  records = 0, runs = 0, customs = 0;
+    std::uint32_t nodes = 0, shared = 0, triangles = 0, narrowShared = 0, narrowTriangles = 0,
+                  narrowIds = 0, spheres = 0, parallelograms = 0, records = 0, runs = 0,
+                  customs = 0;
 
     Extent& operator+=(const Extent& o) {
         nodes += o.nodes;
         shared += o.shared;
         triangles += o.triangles;
+        narrowShared += o.narrowShared;
+        narrowTriangles += o.narrowTriangles;
+        narrowIds += o.narrowIds;
         spheres += o.spheres;
         parallelograms += o.parallelograms;
         records += o.records;
@@ -81,8 +86,8 @@ struct LeafContents {
 
 class Emitter {
 public:
-    Emitter(const Cells& cells, const Primitives& primitives, Tree& tree)
-        : cells_(cells), primitives_(primitives), tree_(tree) {}
+    Emitter(const Cells& cells, const Primitives& primitives, Storage storage, Tree& tree)
+        : cells_(cells), primitives_(primitives), storage_(storage), tree_(tree) {}
 
     void run(const std::vector<Reference>& unbounded) {
         LeafContents rest;
@@ -107,6 +112,9 @@ public:
         tree_.nodes = Array<Node>(at.nodes);
         tree_.shared = Array<SharedBlock>(at.shared);
         tree_.triangles = Array<TriangleBlock>(at.triangles);
+        tree_.narrowShared = Array<NarrowSharedBlock>(at.narrowShared);
+        tree_.narrowTriangles = Array<NarrowTriangleBlock>(at.narrowTriangles);
+        tree_.narrowIds = Array<std::uint32_t>(at.narrowIds);
         tree_.spheres = Array<SphereBlock>(at.spheres);
         tree_.parallelograms = Array<ParallelogramBlock>(at.parallelograms);
         tree_.records = Array<LeafRecord>(at.records);
@@ -157,12 +165,26 @@ private:
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
         if (cells_[cell].sharesBlock) {
             Extent e;
-            e.shared = 1;
+            if (isNarrow(first, count)) {
+                e.narrowShared = 1;
+                e.narrowIds = count;
+            } else {
+                e.shared = 1;
+            }
             return e;
         }
         if (count <= kLanes && sameKind(first, count)) {
             Extent e;
-            (first->kind == 0 ? e.triangles : first->kind == 1 ? e.spheres : e.parallelograms) = 1;
+            switch (static_cast<Kind>(first->kind)) {
+            case Kind::triangle:
+                (isNarrow(first, count) ? e.narrowTriangles : e.triangles) = 1;
+                break;
+            case Kind::sphere:
+                e.spheres = 1;
+                break;
+            default:
+                e.parallelograms = 1;
+            }
             return e;
         }
         contents.fill(first, first + count, primitives_);
@@ -173,6 +195,16 @@ private:
         if (first->kind == static_cast<std::uint32_t>(Kind::custom)) return false;
         for (std::uint32_t i = 1; i < count; ++i)
             if (first[i].kind != first->kind) return false;
+        return true;
+    }
+
+    /// Does f32 hold all corners of these triangles exactly?
+    bool isNarrow(const Reference* first, std::uint32_t count) const {
+        if (storage_ == Storage::f64) return false;
+        const auto& triangles = primitives_.triangles;
+        for (std::uint32_t i = 0; i < count; ++i)
+            for (const std::uint32_t corner : triangles.indices[indexOf(first[i].id)])
+                if (!numeric::fitsF32(triangles.positions[corner])) return false;
         return true;
     }
 
@@ -291,7 +323,15 @@ private:
         const Reference* const first = cells_.references() + cells_[cell].begin;
         const std::uint32_t count = cells_[cell].end - cells_[cell].begin;
         if (cells_[cell].sharesBlock) {
-            fillShared(tree_.shared[at.shared], first, count);
+            if (isNarrow(first, count)) {
+                NarrowSharedBlock& block = tree_.narrowShared[at.narrowShared];
+                fillShared(block, tree_.narrowIds.data() + at.narrowIds, count, first, count);
+                block.ids = at.narrowIds;
+                at.narrowIds += count;
+                return leafReference(kNarrowSharedLeaf, at.narrowShared++);
+            }
+            SharedBlock& block = tree_.shared[at.shared];
+            fillShared(block, block.id, kSharedLanes, first, count);
             return leafReference(kSharedLeaf, at.shared++);
         }
         if (count <= kLanes && sameKind(first, count)) {
@@ -300,6 +340,10 @@ private:
             std::sort(ids, ids + count);
             switch (static_cast<Kind>(first->kind)) {
             case Kind::triangle:
+                if (isNarrow(first, count)) {
+                    fillTriangles(tree_.narrowTriangles[at.narrowTriangles], ids, count);
+                    return leafReference(kNarrowTriangleLeaf, at.narrowTriangles++);
+                }
                 fillTriangles(tree_.triangles[at.triangles], ids, count);
                 return leafReference(kTriangleLeaf, at.triangles++);
             case Kind::sphere:
@@ -350,44 +394,52 @@ private:
 
     std::uint32_t indexOf(std::uint32_t id) const { return indexInKind(primitives_, id); }
 
-    void fillShared(SharedBlock& block, const Reference* first, std::uint32_t count) const {
+    /// `id`: room for `idLanes` ids; those beyond `count` are marked as unused.
+    template <class Block>
+    void fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes, const Reference* first,
+                    std::uint32_t count) const {
+        using Float = std::remove_reference_t<decltype(block.corner[0][0])>;
         std::uint32_t ids[kSharedLanes];
         for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
         std::sort(ids, ids + count);
+        for (std::uint32_t i = 0; i < idLanes; ++i) id[i] = i < count ? ids[i] : kEmptyChild;
         CornerSet corners;
         block.valid = (1u << count) - 1;
         for (auto& word : block.spare) word = 0;
-        for (std::uint32_t lane = 0; lane < kSharedLanes; ++lane) {
-            block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+        for (std::uint32_t lane = 0; lane < kSharedLanes; ++lane)
             for (std::size_t c = 0; c < 3; ++c)
                 block.index[c][lane] =
                     lane < count ? static_cast<std::uint8_t>(corners.add(
                                        primitives_.triangles.indices[indexOf(ids[lane])][c]))
                                  : std::uint8_t{0};
-        }
         for (int i = 0; i < kSharedLanes; ++i) {
             // Unused corners repeat the first: lanes must not meet NaN where none is needed.
             const Vec3& p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
-            for (int a = 0; a < 3; ++a) block.corner[a][i] = p[a];
+            for (int a = 0; a < 3; ++a) block.corner[a][i] = static_cast<Float>(p[a]);
         }
     }
 
-    void fillTriangles(TriangleBlock& block, const std::uint32_t* ids, std::uint32_t count) const {
+    static void clearSpare(TriangleBlock& block) {
+        for (auto& word : block.spare) word = 0;
+    }
+    static void clearSpare(NarrowTriangleBlock&) {}
+
+    template <class Block>
+    void fillTriangles(Block& block, const std::uint32_t* ids, std::uint32_t count) const {
+        using Float = std::remove_reference_t<decltype(block.corner[0][0][0])>;
         const auto& triangles = primitives_.triangles;
+        clearSpare(block);
         for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
             block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
-            block.spare[lane] = 0;
             if (lane < count) {
                 const auto& corners = triangles.indices[indexOf(ids[lane])];
-                for (std::size_t c = 0; c < 3; ++c) {
-                    const Vec3& p = triangles.positions[corners[c]];
-                    block.corner[c][0][lane] = p.x;
-                    block.corner[c][1][lane] = p.y;
-                    block.corner[c][2][lane] = p.z;
-                }
+                for (std::size_t c = 0; c < 3; ++c)
+                    for (int a = 0; a < 3; ++a)
+                        block.corner[c][a][lane] =
+                            static_cast<Float>(triangles.positions[corners[c]][a]);
             } else {
                 for (auto& corner : block.corner)
-                    for (auto& row : corner) row[lane] = kUnused;
+                    for (auto& row : corner) row[lane] = std::numeric_limits<Float>::quiet_NaN();
             }
         }
     }
@@ -424,16 +476,17 @@ private:
 
     const Cells& cells_;
     const Primitives& primitives_;
+    const Storage storage_;
     Tree& tree_;
     std::vector<Job> jobs_;
 };
 
 } // namespace
 
-Tree emit(const Cells& cells, const std::vector<Reference>& unbounded,
-          const Primitives& primitives) {
+Tree emit(const Cells& cells, const std::vector<Reference>& unbounded, const Primitives& primitives,
+          Storage storage) {
     Tree tree;
-    Emitter(cells, primitives, tree).run(unbounded);
+    Emitter(cells, primitives, storage, tree).run(unbounded);
     return tree;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <core/octree/cells.hpp>
 #include <core/octree/layout.hpp>
+#include <core/octree/octree.hpp>
 
 #include <cstdint>
 #include <cstdlib>
@@ -23,6 +24,7 @@ public:
     }
     T& operator[](std::size_t i) { return items_.get()[i]; }
     const T& operator[](std::size_t i) const { return items_.get()[i]; }
+    T* data() { return items_.get(); }
     const T* data() const { return items_.get(); }
     std::size_t size() const { return size_; }
     std::size_t bytes() const { return size_ * sizeof(T); }
@@ -40,6 +42,9 @@ struct Tree {
     Array<Node> nodes;
     Array<SharedBlock> shared;
     Array<TriangleBlock> triangles;
+    Array<NarrowSharedBlock> narrowShared;
+    Array<NarrowTriangleBlock> narrowTriangles;
+    Array<std::uint32_t> narrowIds;
     Array<SphereBlock> spheres;
     Array<ParallelogramBlock> parallelograms;
     Array<LeafRecord> records;
@@ -50,6 +55,6 @@ struct Tree {
 
 /// The same bytes for any number of threads. `unbounded`: primitives that are in no cell.
 Tree emit(const Cells& cells, const std::vector<Reference>& unbounded,
-          const geometry::Primitives& primitives);
+          const geometry::Primitives& primitives, Storage storage = Storage::narrowest);
 
 } // namespace rt::octree

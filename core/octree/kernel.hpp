@@ -14,6 +14,11 @@ struct CrossingSink {
     bool (*custom)(void* context, const CustomRun& run);
 };
 
+/// How many of each a tree has.
+struct BlockCounts {
+    std::uint32_t shared, triangles, narrowShared, narrowTriangles, spheres, parallelograms, runs;
+};
+
 /// Plain data only crosses between levels: code compiled for AVX may share no inline function with the
 /// rest, or the linker could keep the wrong copy.
 struct Kernel {
@@ -22,9 +27,7 @@ struct Kernel {
     bool (*occluded)(const TreeView&, const geometry::Ray&, Visits*);
     bool (*crossings)(const TreeView&, const geometry::Ray&, const CrossingSink&, Visits*);
     /// closest without the tree: every block of every leaf.
-    void (*scan)(const TreeView&, std::uint32_t sharedBlocks, std::uint32_t triangleBlocks,
-                 std::uint32_t sphereBlocks, std::uint32_t parallelogramBlocks, std::uint32_t runs,
-                 const geometry::Ray&, geometry::Hit*);
+    void (*scan)(const TreeView&, const BlockCounts&, const geometry::Ray&, geometry::Hit*);
 };
 
 namespace avx512 {

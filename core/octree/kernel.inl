@@ -229,10 +229,10 @@ struct Sheared {
     F64 x, y, z;
 };
 
-inline Sheared shear(const Frame& f, const double corner[3][kLanes]) {
-    const F64 z = load(corner[f.kz]) - all(f.oz);
-    return {(load(corner[f.kx]) - all(f.ox)) - all(f.shearX) * z,
-            (load(corner[f.ky]) - all(f.oy)) - all(f.shearY) * z, z};
+template <class Float> inline Sheared shear(const Frame& f, const Float corner[3][kLanes]) {
+    const F64 z = widened(corner[f.kz]) - all(f.oz);
+    return {(widened(corner[f.kx]) - all(f.ox)) - all(f.shearX) * z,
+            (widened(corner[f.ky]) - all(f.oy)) - all(f.shearY) * z, z};
 }
 
 struct Edges {
@@ -274,7 +274,8 @@ inline unsigned excluded(const std::uint32_t* id, std::uint32_t exclude) {
 }
 
 /// The lanes that the ray hits in (0, limit], but the excluded one.
-inline unsigned hitTriangles(const TriangleBlock& block, const Frame& f, double limit,
+template <class Block>
+inline unsigned hitTriangles(const Block& block, const Frame& f, double limit,
                              std::uint32_t exclude, Solution& s, Edges& e) {
     const Sheared a = shear(f, block.corner[0]), b = shear(f, block.corner[1]),
                   c = shear(f, block.corner[2]);
@@ -299,18 +300,23 @@ struct alignas(64) SharedArray {
     double x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
 };
 
-inline SharedCorners shearShared(const Frame& f, const SharedBlock& block) {
+inline const std::uint32_t* idsOf(const TreeView&, const SharedBlock& block) { return block.id; }
+inline const std::uint32_t* idsOf(const TreeView& tree, const NarrowSharedBlock& block) {
+    return tree.narrowIds + block.ids;
+}
+
+template <class Block> inline SharedCorners shearShared(const Frame& f, const Block& block) {
     const F64 ox = all(f.ox), oy = all(f.oy), oz = all(f.oz);
     const F64 sx = all(f.shearX), sy = all(f.shearY);
-    const double *const x = block.corner[f.kx], *const y = block.corner[f.ky],
-                        *const z = block.corner[f.kz];
+    const auto *const x = block.corner[f.kx], *const y = block.corner[f.ky],
+                      *const z = block.corner[f.kz];
     SharedCorners c;
-    c.z0 = load(z) - oz;
-    c.z1 = load(z + kLanes) - oz;
-    c.x0 = (load(x) - ox) - sx * c.z0;
-    c.x1 = (load(x + kLanes) - ox) - sx * c.z1;
-    c.y0 = (load(y) - oy) - sy * c.z0;
-    c.y1 = (load(y + kLanes) - oy) - sy * c.z1;
+    c.z0 = widened(z) - oz;
+    c.z1 = widened(z + kLanes) - oz;
+    c.x0 = (widened(x) - ox) - sx * c.z0;
+    c.x1 = (widened(x + kLanes) - ox) - sx * c.z1;
+    c.y0 = (widened(y) - oy) - sy * c.z0;
+    c.y1 = (widened(y + kLanes) - oy) - sy * c.z1;
     return c;
 }
 
@@ -329,7 +335,8 @@ struct Solved {
 };
 
 /// One triangle of a shared block: geometry::intersectTriangle from the sheared corners on.
-inline bool solveShared(const Frame& f, const SharedBlock& block, const SharedArray& p, int lane,
+template <class Block>
+inline bool solveShared(const Frame& f, const Block& block, const SharedArray& p, int lane,
                         double limit, Solved& s) {
     const int a = block.index[0][lane], b = block.index[1][lane], c = block.index[2][lane];
     const double u = p.x[c] * p.y[b] - p.y[c] * p.x[b], v = p.x[a] * p.y[c] - p.y[a] * p.x[c],
@@ -345,10 +352,11 @@ inline bool solveShared(const Frame& f, const SharedBlock& block, const SharedAr
     return s.t > 0 && s.t <= limit;
 }
 
-inline bool closestInShared(const SharedBlock& block, const Frame& f, double scale,
+template <class Block>
+inline bool closestInShared(const TreeView& tree, const Block& block, const Frame& f,
                             std::uint32_t exclude, Best& best) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, scale);
+    unsigned lanes = candidates(block, corners, tree.scale);
     if (!lanes) return false;
     SharedArray p;
     store(p, corners);
@@ -357,7 +365,7 @@ inline bool closestInShared(const SharedBlock& block, const Frame& f, double sca
         const int i = __builtin_ctz(lanes);
         Solved s;
         if (!solveShared(f, block, p, i, best.t, s)) continue;
-        const std::uint32_t id = block.id[i];
+        const std::uint32_t id = idsOf(tree, block)[i];
         if (id == exclude || !(s.t < best.t || id < best.id)) continue;
         best.t = s.t;
         best.u = s.u;
@@ -368,34 +376,37 @@ inline bool closestInShared(const SharedBlock& block, const Frame& f, double sca
     return better;
 }
 
-inline bool anyInShared(const SharedBlock& block, const Frame& f, double scale,
+template <class Block>
+inline bool anyInShared(const TreeView& tree, const Block& block, const Frame& f,
                         std::uint32_t exclude, double limit) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, scale);
+    unsigned lanes = candidates(block, corners, tree.scale);
     if (!lanes) return false;
     SharedArray p;
     store(p, corners);
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         Solved s;
-        if (solveShared(f, block, p, i, limit, s) && block.id[i] != exclude) return true;
+        if (solveShared(f, block, p, i, limit, s) && idsOf(tree, block)[i] != exclude) return true;
     }
     return false;
 }
 
-inline bool crossShared(const SharedBlock& block, const Frame& f, double scale,
+template <class Block>
+inline bool crossShared(const TreeView& tree, const Block& block, const Frame& f,
                         std::uint32_t exclude, double last, const CrossingSink& sink) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, scale);
+    unsigned lanes = candidates(block, corners, tree.scale);
     if (!lanes) return true;
     SharedArray p;
     store(p, corners);
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         Solved s;
-        if (!solveShared(f, block, p, i, last, s) || block.id[i] == exclude) continue;
-        if (!(s.touches ? sink.touch(sink.context, block.id[i])
-                        : sink.add(sink.context, s.t, block.id[i])))
+        if (!solveShared(f, block, p, i, last, s)) continue;
+        const std::uint32_t id = idsOf(tree, block)[i];
+        if (id == exclude) continue;
+        if (!(s.touches ? sink.touch(sink.context, id) : sink.add(sink.context, s.t, id)))
             return false;
     }
     return true;
@@ -468,8 +479,9 @@ inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, con
 
 // Leaves of other kinds are calls: inlined beside the shared blocks' they would push what the loop over
 // nodes needs out of the registers (octree_bench, bunny, primary rays: 14 % faster so).
-[[gnu::noinline]] bool closestInTriangles(const TriangleBlock& block, const Frame& f,
-                                          std::uint32_t exclude, Best& best) {
+template <class Block>
+[[gnu::noinline]] bool closestInTriangles(const Block& block, const Frame& f, std::uint32_t exclude,
+                                          Best& best) {
     Solution s;
     Edges e;
     const unsigned lanes = hitTriangles(block, f, best.t, exclude, s, e);
@@ -523,6 +535,10 @@ inline unsigned lanesInUse(const std::uint32_t* id) {
     return n;
 }
 
+template <class Block> inline unsigned trianglesOf(const Block& block) {
+    return static_cast<unsigned>(__builtin_popcount(block.valid));
+}
+
 template <bool kCount>
 [[gnu::noinline]] bool closestInRecord(const TreeView& tree, const LeafRecord& leaf, const Ray& ray,
                                        const Frame& f, std::uint32_t exclude, Best& best,
@@ -557,10 +573,14 @@ inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const R
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
-        if (kCount)
-            visits->triangles +=
-                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
-        return closestInShared(tree.shared[index], f, tree.scale, exclude, best);
+        if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
+        return closestInShared(tree, tree.shared[index], f, exclude, best);
+    case kNarrowSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+        return closestInShared(tree, tree.narrowShared[index], f, exclude, best);
+    case kNarrowTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.narrowTriangles[index].id);
+        return closestInTriangles(tree.narrowTriangles[index], f, exclude, best);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
         return closestInTriangles(tree.triangles[index], f, exclude, best);
@@ -622,7 +642,8 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
     }
 }
 
-[[gnu::noinline]] bool anyInTriangles(const TriangleBlock& block, const Frame& f, double limit,
+template <class Block>
+[[gnu::noinline]] bool anyInTriangles(const Block& block, const Frame& f, double limit,
                                       std::uint32_t exclude) {
     Solution s;
     Edges e;
@@ -676,10 +697,14 @@ inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& 
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
-        if (kCount)
-            visits->triangles +=
-                static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
-        return anyInShared(tree.shared[index], f, tree.scale, exclude, limit);
+        if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
+        return anyInShared(tree, tree.shared[index], f, exclude, limit);
+    case kNarrowSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+        return anyInShared(tree, tree.narrowShared[index], f, exclude, limit);
+    case kNarrowTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.narrowTriangles[index].id);
+        return anyInTriangles(tree.narrowTriangles[index], f, limit, exclude);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
         return anyInTriangles(tree.triangles[index], f, limit, exclude);
@@ -747,9 +772,9 @@ inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const s
     return true;
 }
 
-template <bool kCount>
-inline bool crossTriangles(const TriangleBlock& block, const Frame& f, std::uint32_t exclude,
-                           double last, const CrossingSink& sink, Visits* visits) {
+template <bool kCount, class Block>
+inline bool crossTriangles(const Block& block, const Frame& f, std::uint32_t exclude, double last,
+                           const CrossingSink& sink, Visits* visits) {
     if (kCount) visits->triangles += lanesInUse(block.id);
     Solution s;
     Edges e;
@@ -843,10 +868,16 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
         } else {
             switch (current >> kLeafKindShift & 7) {
             case kSharedLeaf:
-                if (kCount)
-                    visits->triangles +=
-                        static_cast<unsigned>(__builtin_popcount(tree.shared[index].valid));
-                goOn = crossShared(tree.shared[index], f, tree.scale, exclude, last, sink);
+                if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
+                goOn = crossShared(tree, tree.shared[index], f, exclude, last, sink);
+                break;
+            case kNarrowSharedLeaf:
+                if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+                goOn = crossShared(tree, tree.narrowShared[index], f, exclude, last, sink);
+                break;
+            case kNarrowTriangleLeaf:
+                goOn = crossTriangles<kCount>(tree.narrowTriangles[index], f, exclude, last, sink,
+                                              visits);
                 break;
             case kTriangleLeaf:
                 goOn =
@@ -886,19 +917,21 @@ bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, V
                   : crossingsImpl<false>(tree, ray, sink, nullptr);
 }
 
-void scan(const TreeView& tree, std::uint32_t sharedBlocks, std::uint32_t triangleBlocks,
-          std::uint32_t sphereBlocks, std::uint32_t parallelogramBlocks, std::uint32_t runs,
-          const Ray& ray, Hit* hit) {
+void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* hit) {
     alignas(32) double inverses[4];
     const Normalized n = normalized(ray);
     boxRayOf(tree, ray, n, inverses);
     const Frame f = frameOf(tree, ray, n, inverses);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, 0, false};
-    for (std::uint32_t i = 0; i < sharedBlocks; ++i)
-        closestInShared(tree.shared[i], f, tree.scale, exclude, best);
-    const LeafRecord everything{0, triangleBlocks,      0, sphereBlocks,
-                                0, parallelogramBlocks, 0, runs};
+    for (std::uint32_t i = 0; i < counts.shared; ++i)
+        closestInShared(tree, tree.shared[i], f, exclude, best);
+    for (std::uint32_t i = 0; i < counts.narrowShared; ++i)
+        closestInShared(tree, tree.narrowShared[i], f, exclude, best);
+    for (std::uint32_t i = 0; i < counts.narrowTriangles; ++i)
+        closestInTriangles(tree.narrowTriangles[i], f, exclude, best);
+    const LeafRecord everything{0, counts.triangles,      0, counts.spheres,
+                                0, counts.parallelograms, 0, counts.runs};
     closestInRecord<false>(tree, everything, ray, f, exclude, best, nullptr);
     answer(best, hit);
 }

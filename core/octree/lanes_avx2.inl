@@ -17,6 +17,10 @@ struct Mask {
     }
 
 inline F64 load(const double* p) { return {_mm256_load_pd(p), _mm256_load_pd(p + 4)}; }
+inline F64 widened(const double* p) { return load(p); }
+inline F64 widened(const float* p) {
+    return {_mm256_cvtps_pd(_mm_load_ps(p)), _mm256_cvtps_pd(_mm_load_ps(p + 4))};
+}
 inline F64 all(double x) {
     const __m256d v = _mm256_set1_pd(x);
     return {v, v};
@@ -146,7 +150,8 @@ inline __m256 narrowed(F64 a, double scale) {
 }
 
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
-inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double scale) {
+template <class Block>
+inline unsigned candidates(const Block& block, const SharedCorners& c, double scale) {
     const __m256 x0 = narrowed(c.x0, scale), x1 = narrowed(c.x1, scale);
     const __m256 y0 = narrowed(c.y0, scale), y1 = narrowed(c.y1, scale);
     unsigned in = 0;

@@ -6,6 +6,8 @@ struct F64 {
 using Mask = __mmask8;
 
 inline F64 load(const double* p) { return {_mm512_load_pd(p)}; }
+inline F64 widened(const double* p) { return load(p); }
+inline F64 widened(const float* p) { return {_mm512_cvtps_pd(_mm256_load_ps(p))}; }
 inline F64 all(double x) { return {_mm512_set1_pd(x)}; }
 inline void store(double* p, F64 a) { _mm512_store_pd(p, a.v); }
 inline F64 operator+(F64 a, F64 b) { return {_mm512_add_pd(a.v, b.v)}; }
@@ -107,7 +109,8 @@ struct SharedCorners {
 };
 
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
-inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double scale) {
+template <class Block>
+inline unsigned candidates(const Block& block, const SharedCorners& c, double scale) {
     const __m512d s = _mm512_set1_pd(scale);
     const __m512 x =
         _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),

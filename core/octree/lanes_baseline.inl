@@ -15,6 +15,12 @@ struct Mask {
 inline F64 load(const double* p) {
     return {_mm_load_pd(p), _mm_load_pd(p + 2), _mm_load_pd(p + 4), _mm_load_pd(p + 6)};
 }
+inline F64 widened(const double* p) { return load(p); }
+inline F64 widened(const float* p) {
+    const __m128 l = _mm_load_ps(p), h = _mm_load_ps(p + 4);
+    return {_mm_cvtps_pd(l), _mm_cvtps_pd(_mm_movehl_ps(l, l)), _mm_cvtps_pd(h),
+            _mm_cvtps_pd(_mm_movehl_ps(h, h))};
+}
 inline F64 all(double x) {
     const __m128d v = _mm_set1_pd(x);
     return {v, v, v, v};
@@ -159,7 +165,8 @@ struct SharedCorners {
 
 /// Triangles of a shared block whose edge functions do not rule them out. Without permutations f32
 /// would gain nothing: the corners are fetched one by one.
-inline unsigned candidates(const SharedBlock& block, const SharedCorners& c, double) {
+template <class Block>
+inline unsigned candidates(const Block& block, const SharedCorners& c, double) {
     alignas(16) double x[kSharedLanes], y[kSharedLanes];
     store(x, c.x0);
     store(x + kLanes, c.x1);

@@ -7,6 +7,9 @@
 // triangles as 3 rows of 16 bytes that index them, and ids. Most meshes live in these.
 // Triangle block, 640 bytes: the corners of up to 8 triangles as 9 rows of 8 f64, and their ids; for
 // triangles that share too few corners.
+// Narrow shared block, 256 bytes and 4 per triangle for the ids, and narrow triangle block, 320 bytes:
+// the same with corners in f32, for leaves whose corners f32 holds exactly. Kernels widen them first, so
+// answers are the same bits.
 // Sphere block, 320 bytes; parallelogram block, 832 bytes: likewise.
 // Unused lanes hold NaN, which no test accepts; unused children hold a box that no ray meets.
 //
@@ -46,6 +49,21 @@ struct alignas(64) TriangleBlock {
 };
 static_assert(sizeof(TriangleBlock) == 640);
 
+struct alignas(64) NarrowSharedBlock {
+    float corner[3][kSharedLanes];
+    std::uint8_t index[3][kSharedLanes];
+    std::uint32_t valid;
+    std::uint32_t ids; // of its first triangle in TreeView::narrowIds
+    std::uint32_t spare[2];
+};
+static_assert(sizeof(NarrowSharedBlock) == 256);
+
+struct alignas(64) NarrowTriangleBlock {
+    float corner[3][3][kLanes];
+    std::uint32_t id[kLanes];
+};
+static_assert(sizeof(NarrowTriangleBlock) == 320);
+
 struct alignas(64) SphereBlock {
     double center[3][kLanes], radius[kLanes];
     std::uint32_t id[kLanes];
@@ -84,7 +102,9 @@ enum LeafKind : std::uint32_t {
     kSphereLeaf = 1,
     kParallelogramLeaf = 2,
     kMixedLeaf = 3,
-    kSharedLeaf = 4
+    kSharedLeaf = 4,
+    kNarrowSharedLeaf = 5,
+    kNarrowTriangleLeaf = 6
 };
 
 /// Entries of a traversal stack: 7 a level; the builder cuts no deeper than this allows.
@@ -96,6 +116,9 @@ struct TreeView {
     const Node* nodes; // node 0 is the root; null when the tree has none
     const SharedBlock* shared;
     const TriangleBlock* triangles;
+    const NarrowSharedBlock* narrowShared;
+    const NarrowTriangleBlock* narrowTriangles;
+    const std::uint32_t* narrowIds;
     const SphereBlock* spheres;
     const ParallelogramBlock* parallelograms;
     const LeafRecord* records;

@@ -169,7 +169,7 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
         view.scale = references.scale;
         const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
                           references.scale, options);
-        impl.tree = emit(cells, references.unbounded, primitives);
+        impl.tree = emit(cells, references.unbounded, primitives, options.storage);
     };
     // Starting threads costs more than a small tree.
     constexpr std::uint32_t kWorthThreads = 4096;
@@ -179,6 +179,9 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     view.hasSpheres = tree.spheres.size() > 0;
     view.shared = tree.shared.data();
     view.triangles = tree.triangles.data();
+    view.narrowShared = tree.narrowShared.data();
+    view.narrowTriangles = tree.narrowTriangles.data();
+    view.narrowIds = tree.narrowIds.data();
     view.spheres = tree.spheres.data();
     view.parallelograms = tree.parallelograms.data();
     view.records = tree.records.data();
@@ -232,11 +235,12 @@ Hit Octree::closestWithoutTree(const Ray& ray) const {
     Hit hit;
     if (!impl_) return hit;
     const Tree& tree = impl_->tree;
-    impl_->kernel->scan(impl_->view, static_cast<std::uint32_t>(tree.shared.size()),
-                        static_cast<std::uint32_t>(tree.triangles.size()),
-                        static_cast<std::uint32_t>(tree.spheres.size()),
-                        static_cast<std::uint32_t>(tree.parallelograms.size()),
-                        static_cast<std::uint32_t>(tree.runs.size()), ray, &hit);
+    const auto count = [](const auto& array) { return static_cast<std::uint32_t>(array.size()); };
+    impl_->kernel->scan(impl_->view,
+                        {count(tree.shared), count(tree.triangles), count(tree.narrowShared),
+                         count(tree.narrowTriangles), count(tree.spheres),
+                         count(tree.parallelograms), count(tree.runs)},
+                        ray, &hit);
     return hit;
 }
 
@@ -245,9 +249,10 @@ Statistics Octree::statistics() const {
     if (!impl_) return s;
     const Tree& tree = impl_->tree;
     s.nodes = tree.nodes.size();
-    s.blocks = tree.shared.size() + tree.triangles.size() + tree.spheres.size() +
-               tree.parallelograms.size();
+    s.blocks = tree.shared.size() + tree.triangles.size() + tree.narrowShared.size() +
+               tree.narrowTriangles.size() + tree.spheres.size() + tree.parallelograms.size();
     s.bytes = tree.nodes.bytes() + tree.shared.bytes() + tree.triangles.bytes() +
+              tree.narrowShared.bytes() + tree.narrowTriangles.bytes() + tree.narrowIds.bytes() +
               tree.spheres.bytes() + tree.parallelograms.bytes() + tree.records.bytes() +
               tree.runs.bytes() + tree.customPrimitives.bytes() + tree.customIds.bytes();
     const auto inUse = [](const std::uint32_t* id) {
@@ -274,6 +279,12 @@ Statistics Octree::statistics() const {
         switch (reference >> kLeafKindShift & 7) {
         case kSharedLeaf:
             count = static_cast<std::size_t>(__builtin_popcount(tree.shared[index].valid));
+            break;
+        case kNarrowSharedLeaf:
+            count = static_cast<std::size_t>(__builtin_popcount(tree.narrowShared[index].valid));
+            break;
+        case kNarrowTriangleLeaf:
+            count = inUse(tree.narrowTriangles[index].id);
             break;
         case kTriangleLeaf:
             count = inUse(tree.triangles[index].id);

@@ -18,9 +18,16 @@ using geometry::Ray;
 /// Which compiled copy of the queries runs. All give the same bits.
 enum class Simd : std::uint8_t { best, baseline, avx2, avx512 };
 
+/// How leaves hold the corners of triangles; gives the same bits in any case.
+enum class Storage : std::uint8_t {
+    narrowest, // in f32 where that is exact for the whole leaf, else f64
+    f64
+};
+
 struct BuildOptions {
     std::uint32_t maxObjects = 16; // largest number of primitives in a cell that is not cut further
-    double minSize = 0;     // cells with all sides <= this are not cut, world units; 0: no limit
+    double minSize = 0; // cells with all sides <= this are not cut, world units; 0: no limit
+    Storage storage = Storage::narrowest;
     int threads = 0;        // 0: all that the process may use
     Simd simd = Simd::best; // best: what RT_SIMD asks for, or else the widest that this CPU has
 };

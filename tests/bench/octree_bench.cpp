@@ -270,6 +270,8 @@ int run(int argc, char** argv) {
             options.spheres = true;
         else if (word == "--rounds")
             options.rounds = value();
+        else if (word == "--f64")
+            options.build.storage = octree::Storage::f64;
         else if (word == "--max-objects")
             options.build.maxObjects = static_cast<std::uint32_t>(value());
         else if (word.starts_with("--"))

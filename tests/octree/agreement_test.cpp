@@ -157,6 +157,36 @@ TEST_P(Agreement, OptionsAndThreadsChangeNoAnswer) {
     }
 }
 
+/// Also the definition itself, so that no two storages agree on something else.
+TEST_P(Agreement, StorageChangesNoBit) {
+    Primitives rounded = *scene().primitives;
+    for (Vec3& p : rounded.triangles.positions) p = numeric::roundedToF32(p);
+    for (const Simd simd : kLevels) {
+        if (!Octree::supports(simd)) continue;
+        const Octree narrow = Octree::build(rounded, {.simd = simd}),
+                     wide = Octree::build(rounded, {.storage = octree::Storage::f64, .simd = simd});
+        if (!rounded.triangles.indices.empty()) {
+            EXPECT_LT(narrow.statistics().bytes, wide.statistics().bytes);
+        }
+        EXPECT_EQ(0u,
+                  countDiffering(5000,
+                                 [&](std::size_t i) {
+                                     const Ray ray = rayFor(scene(), i);
+                                     const Hit hit = narrow.closest(ray);
+                                     std::vector<Crossing> a, b;
+                                     narrow.crossings(ray, {}, a);
+                                     wide.crossings(ray, {}, b);
+                                     return !same(hit, wide.closest(ray)) ||
+                                            !same(hit, narrow.closestWithoutTree(ray)) ||
+                                            !same(a, b) ||
+                                            narrow.occluded(ray) != wide.occluded(ray) ||
+                                            (i % 16 == 0 &&
+                                             !same(hit, octree::closestBruteForce(rounded, ray)));
+                                 }))
+            << "SIMD level " << static_cast<int>(simd);
+    }
+}
+
 TEST_P(Agreement, VisitsDependOnNoThread) {
     const Octree one = Octree::build(*scene().primitives, {.threads = 1}),
                  seven = Octree::build(*scene().primitives, {.threads = 7});

@@ -129,6 +129,14 @@ protected:
         case octree::kSharedLeaf:
             addIds(in, tree_.shared[index].id, 16);
             break;
+        case octree::kNarrowSharedLeaf: {
+            const octree::NarrowSharedBlock& block = tree_.narrowShared[index];
+            addIds(in, tree_.narrowIds.data() + block.ids, std::popcount(block.valid));
+            break;
+        }
+        case octree::kNarrowTriangleLeaf:
+            addIds(in, tree_.narrowTriangles[index].id, 8);
+            break;
         case octree::kTriangleLeaf:
             addIds(in, tree_.triangles[index].id, 8);
             break;
@@ -200,6 +208,9 @@ TEST_P(Structure, BytesDependOnNoThread) {
             add(tree.nodes);
             add(tree.shared);
             add(tree.triangles);
+            add(tree.narrowShared);
+            add(tree.narrowTriangles);
+            add(tree.narrowIds);
             add(tree.spheres);
             add(tree.parallelograms);
             add(tree.records);
