@@ -4,7 +4,8 @@
 
 namespace rt::cli {
 
-inline constexpr std::string_view kFirstScene = R"(# rt render NAME.yaml    draws NAME.png; rt view NAME.yaml flies through it
+inline constexpr std::string_view kFirstScene =
+    R"(# rt render NAME.yaml    draws NAME.png; rt view NAME.yaml flies through it
 rt: 1                          # version of the scene language
 image: {width: 640, height: 480}
 camera:                        # z is up; any unit of length will do

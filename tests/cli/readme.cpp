@@ -35,6 +35,12 @@ TEST_F(Readme, ItsSceneRenders) {
     EXPECT_EQ(outcome.err, "");
 }
 
+TEST_F(Readme, ItsExitCodesAreThoseOfTheHelp) {
+    const std::string codes = block(source("README.md"), "text");
+    ASSERT_NE(codes, "");
+    EXPECT_NE(rt("--help").out.find("\nExit codes:\n" + codes), std::string::npos) << codes;
+}
+
 /// tests/plugin_host/consumer builds the guide's.
 TEST_F(Readme, ItsPluginIsTheGuides) {
     const std::string plugin = block(source("README.md"), "cpp");
