@@ -1,6 +1,8 @@
-// The queries as one SIMD level compiles them: kernel.inl, three times, with the flags of the level.
+// The queries as one SIMD level compiles them: kernel.inl, bundle.inl and queries.inl, three times, with the flags of the level.
 #pragma once
 #include <core/octree/layout.hpp>
+
+#include <cstddef>
 
 namespace rt::octree {
 
@@ -26,6 +28,10 @@ struct Kernel {
     void (*closest)(const TreeView&, const geometry::Ray&, geometry::Hit*, Visits*);
     bool (*occluded)(const TreeView&, const geometry::Ray&, Visits*);
     bool (*crossings)(const TreeView&, const geometry::Ray&, const CrossingSink&, Visits*);
+    void (*closestBatch)(const TreeView&, const geometry::Ray*, std::size_t count, bool coherent,
+                         geometry::Hit*, Visits*);
+    void (*occludedBatch)(const TreeView&, const geometry::Ray*, std::size_t count, bool coherent,
+                          std::uint8_t* answers, Visits*);
     /// closest without the tree: every block of every leaf.
     void (*scan)(const TreeView&, const BlockCounts&, const geometry::Ray&, geometry::Hit*);
 };

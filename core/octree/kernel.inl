@@ -76,6 +76,24 @@ inline Normalized normalized(const Ray& ray) {
                 absolute(d[2]) < __builtin_inf()};
 }
 
+/// Moves a far origin along its ray to the cube; false if the ray misses that. `distance`: the largest
+/// |at|; `shift`: how far, in lengths of direction; `extra`: what to add to the slack.
+inline bool moveNear(const double* inverses, const double* direction, double distance, double* at,
+                     double& shift, double& extra) {
+    extra = kFarSlack * distance;
+    double in = 0, out = __builtin_inf();
+    for (int i = 0; i < 3; ++i) {
+        const double side = inverses[i] < 0 ? -(1 + extra) : 1 + extra;
+        const double near = (-side - at[i]) * inverses[i], far = (side - at[i]) * inverses[i];
+        const double margin = kFarSlack * absolute(at[i] * inverses[i]);
+        if (near - margin > in) in = near - margin;
+        if (far + margin < out) out = far + margin;
+    }
+    for (int i = 0; i < 3; ++i) at[i] = at[i] + in * direction[i];
+    shift = in;
+    return in <= out;
+}
+
 /// `inverses`: of the normalized direction, exact where it is not tiny.
 inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n,
                        double inverses[4]) {
@@ -108,25 +126,12 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
             b.perT = __builtin_inf();
             return b;
         }
-        extra = kFarSlack * distance;
-        double in = 0, out = __builtin_inf();
         alignas(32) double direction[4];
         store(direction, d);
-        for (int i = 0; i < 3; ++i) {
-            const double side = inverses[i] < 0 ? -(1 + extra) : 1 + extra;
-            const double near = (-side - at[i]) * inverses[i], far = (side - at[i]) * inverses[i];
-            const double margin = kFarSlack * absolute(at[i] * inverses[i]);
-            if (near - margin > in) in = near - margin;
-            if (far + margin < out) out = far + margin;
-        }
-        if (in > out) {
-            b.misses = true;
-            return b;
-        }
-        for (int i = 0; i < 3; ++i) at[i] = at[i] + in * direction[i];
+        b.misses = !moveNear(inverses, direction, distance, at, b.shift, extra);
+        if (b.misses) return b;
         at[3] = 0;
         o = loadQuad(at);
-        b.shift = in;
     }
     const Quad slack =
         (allQuad(kSlack) * (allQuad(1.0) + magnitude(o)) + allQuad(extra)) * magnitude(inverse);
@@ -138,9 +143,9 @@ inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n
 }
 
 /// An f32 parameter of the boxes at or after t.
-inline float boxLimit(const BoxRay& b, double t) {
-    const double scaled = t * b.perT;
-    const double moved = scaled - b.shift + kLimitSlack * scaled;
+inline float boxLimit(double perT, double shift, double t) {
+    const double scaled = t * perT;
+    const double moved = scaled - shift + kLimitSlack * scaled;
     if (!(moved < 0x1p120)) return __builtin_inff(); // or NaN
     return moved > 0 ? static_cast<float>(moved) * (1 + kLimitSlackF32) + kLeastLimit : 0.0f;
 }
@@ -173,7 +178,8 @@ inline F32 row(const Node& node, std::uintptr_t offset) {
 }
 
 /// The children whose boxes the ray meets in [0, limit].
-inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit, F32& enter) {
+[[gnu::always_inline]] inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit,
+                                             F32& enter) {
     const F32 nx = productMinus(row(node, ray.nearX), ray.inverseX, ray.enterX);
     const F32 ny = productMinus(row(node, ray.nearY), ray.inverseY, ray.enterY);
     const F32 nz = productMinus(row(node, ray.nearZ), ray.inverseZ, ray.enterZ);
@@ -258,12 +264,12 @@ struct Solution {
     Mask exists;
 };
 
-inline Solution solve(const Frame& f, const Edges& e, const Sheared& a, const Sheared& b,
+inline Solution solve(F64 shearZ, const Edges& e, const Sheared& a, const Sheared& b,
                       const Sheared& c) {
     const F64 determinant = (e.u + e.v) + e.w;
     const F64 inverse = all(1.0) / determinant;
     const F64 wb = e.v * inverse, wc = e.w * inverse;
-    return {wb, wc, all(f.shearZ) * (a.z + (wb * (b.z - a.z) + wc * (c.z - a.z))),
+    return {wb, wc, shearZ * (a.z + (wb * (b.z - a.z) + wc * (c.z - a.z))),
             determinant != all(0.0)};
 }
 
@@ -282,7 +288,7 @@ inline unsigned hitTriangles(const Block& block, const Frame& f, double limit,
     e = edgesOf(a, b, c);
     const Mask in = inside(e);
     if (!bits(in)) return 0;
-    s = solve(f, e, a, b, c);
+    s = solve(all(f.shearZ), e, a, b, c);
     unsigned lanes = bits(both(both(in, s.exists), both(s.t > all(0.0), s.t <= all(limit))));
     if (lanes && exclude != 0xFFFFFFFFu) lanes &= ~excluded(block.id, exclude);
     return lanes;
@@ -305,7 +311,8 @@ inline const std::uint32_t* idsOf(const TreeView& tree, const NarrowSharedBlock&
     return tree.narrowIds + block.ids;
 }
 
-template <class Block> inline SharedCorners shearShared(const Frame& f, const Block& block) {
+template <class Block>
+[[gnu::always_inline]] inline SharedCorners shearShared(const Frame& f, const Block& block) {
     const F64 ox = all(f.ox), oy = all(f.oy), oz = all(f.oz);
     const F64 sx = all(f.shearX), sy = all(f.shearY);
     const auto *const x = block.corner[f.kx], *const y = block.corner[f.ky],
@@ -336,8 +343,9 @@ struct Solved {
 
 /// One triangle of a shared block: geometry::intersectTriangle from the sheared corners on.
 template <class Block>
-inline bool solveShared(const Frame& f, const Block& block, const SharedArray& p, int lane,
-                        double limit, Solved& s) {
+[[gnu::always_inline]] inline bool solveShared(const Frame& f, const Block& block,
+                                               const SharedArray& p, int lane, double limit,
+                                               Solved& s) {
     const int a = block.index[0][lane], b = block.index[1][lane], c = block.index[2][lane];
     const double u = p.x[c] * p.y[b] - p.y[c] * p.x[b], v = p.x[a] * p.y[c] - p.y[a] * p.x[c],
                  w = p.x[b] * p.y[a] - p.y[b] * p.x[a];
@@ -353,8 +361,9 @@ inline bool solveShared(const Frame& f, const Block& block, const SharedArray& p
 }
 
 template <class Block>
-inline bool closestInShared(const TreeView& tree, const Block& block, const Frame& f,
-                            std::uint32_t exclude, Best& best) {
+[[gnu::always_inline]] inline bool closestInShared(const TreeView& tree, const Block& block,
+                                                   const Frame& f, std::uint32_t exclude,
+                                                   Best& best) {
     const SharedCorners corners = shearShared(f, block);
     unsigned lanes = candidates(block, corners, tree.scale);
     if (!lanes) return false;
@@ -377,8 +386,9 @@ inline bool closestInShared(const TreeView& tree, const Block& block, const Fram
 }
 
 template <class Block>
-inline bool anyInShared(const TreeView& tree, const Block& block, const Frame& f,
-                        std::uint32_t exclude, double limit) {
+[[gnu::always_inline]] inline bool anyInShared(const TreeView& tree, const Block& block,
+                                               const Frame& f, std::uint32_t exclude,
+                                               double limit) {
     const SharedCorners corners = shearShared(f, block);
     unsigned lanes = candidates(block, corners, tree.scale);
     if (!lanes) return false;
@@ -419,7 +429,7 @@ inline unsigned hitParallelograms(const ParallelogramBlock& block, const Frame& 
     const Edges e1 = edgesOf(a, b, c), e2 = edgesOf(a, c, d);
     const Mask in1 = inside(e1), in2 = inside(e2);
     if (!bits(either(in1, in2))) return 0;
-    const Solution s1 = solve(f, e1, a, b, c), s2 = solve(f, e2, a, c, d);
+    const Solution s1 = solve(all(f.shearZ), e1, a, b, c), s2 = solve(all(f.shearZ), e2, a, c, d);
     const Mask first = both(in1, s1.exists), second = both(in2, s2.exists);
     touched = bits(both(in1, touching(e1))) | bits(both(in2, touching(e2)));
     s.b = select(first, s1.b + s1.c, s2.b);
@@ -430,27 +440,30 @@ inline unsigned hitParallelograms(const ParallelogramBlock& block, const Frame& 
     return lanes;
 }
 
-/// The two parameters of the lines that meet the spheres.
-inline Mask meetSpheres(const SphereBlock& block, const Frame& f, F64& t0, F64& t1) {
-    const F64 dx = all(f.direction[0]), dy = all(f.direction[1]), dz = all(f.direction[2]);
-    const F64 fx = load(block.center[0]) - all(f.origin[0]);
-    const F64 fy = load(block.center[1]) - all(f.origin[1]);
-    const F64 fz = load(block.center[2]) - all(f.origin[2]);
+/// The two parameters of the lines that meet the spheres. f: from the origins to the centres.
+inline Mask meetSphere(F64 fx, F64 fy, F64 fz, F64 dx, F64 dy, F64 dz, F64 squared,
+                       F64 inverseSquared, F64 r, F64& t0, F64& t1) {
     const F64 b = (fx * dx + fy * dy) + fz * dz;
-    const F64 k = b * all(f.inverseSquared);
+    const F64 k = b * inverseSquared;
     const F64 lx = fx - k * dx, ly = fy - k * dy, lz = fz - k * dz;
-    const F64 r = load(block.radius), r2 = r * r;
+    const F64 r2 = r * r;
     const F64 discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
     const F64 c = ((fx * fx + fy * fy) + fz * fz) - r2;
     const Mask within = c < all(0.0), met = either(within, discriminant > all(0.0));
     if (!bits(met)) return met;
-    const F64 root =
-        squareRoot(select(within, b * b - all(f.squared) * c, all(f.squared) * discriminant));
+    const F64 root = squareRoot(select(within, b * b - squared * c, squared * discriminant));
     const F64 q = select(b < all(0.0), b - root, b + root);
-    const F64 ta = c / q, tb = q * all(f.inverseSquared);
+    const F64 ta = c / q, tb = q * inverseSquared;
     t0 = smaller(ta, tb);
     t1 = larger(ta, tb);
     return met;
+}
+
+inline Mask meetSpheres(const SphereBlock& block, const Frame& f, F64& t0, F64& t1) {
+    return meetSphere(
+        load(block.center[0]) - all(f.origin[0]), load(block.center[1]) - all(f.origin[1]),
+        load(block.center[2]) - all(f.origin[2]), all(f.direction[0]), all(f.direction[1]),
+        all(f.direction[2]), all(f.squared), all(f.inverseSquared), load(block.radius), t0, t1);
 }
 
 inline unsigned hitSpheres(const SphereBlock& block, const Frame& f, double limit, F64& t) {
@@ -568,8 +581,9 @@ template <bool kCount>
 }
 
 template <bool kCount>
-inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray,
-                          const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
+[[gnu::always_inline]] inline bool
+closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, const Frame& f,
+              std::uint32_t exclude, Best& best, Visits* visits) {
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
@@ -595,12 +609,42 @@ inline bool closestInLeaf(const TreeView& tree, std::uint32_t reference, const R
     }
 }
 
+/// Goes on with `best` below one node or leaf.
+template <bool kCount>
+[[gnu::always_inline]] inline void
+closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanes& lanes,
+            const Order& order, double perT, double shift, const Frame& f, std::uint32_t exclude,
+            Best& best, Visits* visits) {
+    std::uint32_t references[kStackSize];
+    float enters[kStackSize];
+    std::size_t top = 0;
+    float limit = boxLimit(perT, shift, best.t);
+    for (;;) {
+        if (!(current & kLeaf)) {
+            const Node& node = tree.nodes[current];
+            if (kCount) ++visits->nodes;
+            F32 enter;
+            const unsigned mask = meets(node, lanes, all(limit), enter);
+            if (mask) {
+                current = pushFar(order, node, enter, mask, references, enters, top);
+                continue;
+            }
+        } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {
+            limit = boxLimit(perT, shift, best.t);
+        }
+        do {
+            if (top == 0) return;
+            --top;
+        } while (enters[top] > limit);
+        current = references[top];
+    }
+}
+
 inline void answer(const Best& best, Hit* hit) {
-    if (!best.found) return;
-    hit->t = best.t;
-    hit->u = best.u;
-    hit->v = best.v;
-    hit->id = static_cast<geometry::PrimitiveId>(best.id);
+    hit->t = best.found ? best.t : __builtin_inf();
+    hit->u = best.found ? best.u : 0;
+    hit->v = best.found ? best.v : 0;
+    hit->id = best.found ? static_cast<geometry::PrimitiveId>(best.id) : geometry::kNoPrimitive;
 }
 
 template <bool kCount>
@@ -614,32 +658,9 @@ inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* 
     if (tree.hasUnbounded)
         closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
     if (!tree.nodes || box.misses) return answer(best, hit);
-    const BoxLanes lanes = lanesOf(box);
-    const Order order = orderOf(box.mirror);
-    std::uint32_t references[kStackSize];
-    float enters[kStackSize];
-    std::size_t top = 0;
-    float limit = boxLimit(box, best.t);
-    std::uint32_t current = 0;
-    for (;;) {
-        if (!(current & kLeaf)) {
-            const Node& node = tree.nodes[current];
-            if (kCount) ++visits->nodes;
-            F32 enter;
-            const unsigned mask = meets(node, lanes, all(limit), enter);
-            if (mask) {
-                current = pushFar(order, node, enter, mask, references, enters, top);
-                continue;
-            }
-        } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {
-            limit = boxLimit(box, best.t);
-        }
-        do {
-            if (top == 0) return answer(best, hit);
-            --top;
-        } while (enters[top] > limit);
-        current = references[top];
-    }
+    closestFrom<kCount>(tree, 0, ray, lanesOf(box), orderOf(box.mirror), box.perT, box.shift, f,
+                        exclude, best, visits);
+    answer(best, hit);
 }
 
 template <class Block>
@@ -692,8 +713,9 @@ template <bool kCount>
 }
 
 template <bool kCount>
-inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, const Frame& f,
-                      std::uint32_t exclude, double limit, Visits* visits) {
+[[gnu::always_inline]] inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference,
+                                             const Ray& ray, const Frame& f, std::uint32_t exclude,
+                                             double limit, Visits* visits) {
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
@@ -726,23 +748,14 @@ inline double below(double x) {
                                         : 0;
 }
 
+/// Is there a hit up to `last` below one node or leaf?
 template <bool kCount>
-inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
-    alignas(32) double inverses[4];
-    const Normalized n = normalized(ray);
-    const BoxRay box = boxRayOf(tree, ray, n, inverses);
-    const Frame f = frameOf(tree, ray, n, inverses);
-    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
-    const double last = below(ray.tMax);
-    if (tree.hasUnbounded &&
-        anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
-        return true;
-    if (!tree.nodes || box.misses) return false;
-    const BoxLanes lanes = lanesOf(box);
-    const F32 limit = all(boxLimit(box, ray.tMax));
+[[gnu::always_inline]] inline bool
+anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanes& lanes,
+        float boxLimit, const Frame& f, std::uint32_t exclude, double last, Visits* visits) {
+    const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
-    std::uint32_t current = 0;
     for (;;) {
         if (!(current & kLeaf)) {
             const Node& node = tree.nodes[current];
@@ -759,6 +772,22 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
         if (top == 0) return false;
         current = references[--top];
     }
+}
+
+template <bool kCount>
+inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
+    alignas(32) double inverses[4];
+    const Normalized n = normalized(ray);
+    const BoxRay box = boxRayOf(tree, ray, n, inverses);
+    const Frame f = frameOf(tree, ray, n, inverses);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const double last = below(ray.tMax);
+    if (tree.hasUnbounded &&
+        anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
+        return true;
+    if (!tree.nodes || box.misses) return false;
+    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), boxLimit(box.perT, box.shift, ray.tMax), f,
+                           exclude, last, visits);
 }
 
 inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,
@@ -849,7 +878,7 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
     if (!tree.nodes || box.misses) return true;
     const BoxLanes lanes = lanesOf(box);
-    const F32 limit = all(boxLimit(box, ray.tMax));
+    const F32 limit = all(boxLimit(box.perT, box.shift, ray.tMax));
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
     std::uint32_t current = 0;
@@ -899,39 +928,4 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
         if (top == 0) return true;
         current = references[--top];
     }
-}
-
-void closest(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
-    if (visits)
-        closestImpl<true>(tree, ray, hit, visits);
-    else
-        closestImpl<false>(tree, ray, hit, nullptr);
-}
-
-bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
-    return visits ? occludedImpl<true>(tree, ray, visits) : occludedImpl<false>(tree, ray, nullptr);
-}
-
-bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, Visits* visits) {
-    return visits ? crossingsImpl<true>(tree, ray, sink, visits)
-                  : crossingsImpl<false>(tree, ray, sink, nullptr);
-}
-
-void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* hit) {
-    alignas(32) double inverses[4];
-    const Normalized n = normalized(ray);
-    boxRayOf(tree, ray, n, inverses);
-    const Frame f = frameOf(tree, ray, n, inverses);
-    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
-    Best best{ray.tMax, 0, 0, 0, false};
-    for (std::uint32_t i = 0; i < counts.shared; ++i)
-        closestInShared(tree, tree.shared[i], f, exclude, best);
-    for (std::uint32_t i = 0; i < counts.narrowShared; ++i)
-        closestInShared(tree, tree.narrowShared[i], f, exclude, best);
-    for (std::uint32_t i = 0; i < counts.narrowTriangles; ++i)
-        closestInTriangles(tree.narrowTriangles[i], f, exclude, best);
-    const LeafRecord everything{0, counts.triangles,      0, counts.spheres,
-                                0, counts.parallelograms, 0, counts.runs};
-    closestInRecord<false>(tree, everything, ray, f, exclude, best, nullptr);
-    answer(best, hit);
 }

@@ -12,8 +12,12 @@ namespace {
 #include "lanes_avx512.inl"
 
 #include "kernel.inl"
+
+#include "bundle.inl"
+
+#include "queries.inl"
 } // namespace
 
-const Kernel kernel = {"avx512", closest, occluded, crossings, scan};
+const Kernel kernel = {"avx512", closest, occluded, crossings, closestBatch, occludedBatch, scan};
 
 } // namespace rt::octree::avx512

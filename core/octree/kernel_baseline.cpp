@@ -12,8 +12,12 @@ namespace {
 #include "lanes_baseline.inl"
 
 #include "kernel.inl"
+
+#include "bundle.inl"
+
+#include "queries.inl"
 } // namespace
 
-const Kernel kernel = {"baseline", closest, occluded, crossings, scan};
+const Kernel kernel = {"baseline", closest, occluded, crossings, closestBatch, occludedBatch, scan};
 
 } // namespace rt::octree::baseline

@@ -68,6 +68,130 @@ inline unsigned bitsLessEqual(F32 a, F32 b) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)));
 }
 
+inline F64 magnitude(F64 x) {
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    return {_mm256_andnot_pd(sign, x.a), _mm256_andnot_pd(sign, x.b)};
+}
+inline F64 withSignOf(F64 magnitudes, F64 signs) {
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    return {_mm256_or_pd(magnitudes.a, _mm256_and_pd(sign, signs.a)),
+            _mm256_or_pd(magnitudes.b, _mm256_and_pd(sign, signs.b))};
+}
+inline unsigned signsOf(F64 x) {
+    return static_cast<unsigned>(_mm256_movemask_pd(x.a) | _mm256_movemask_pd(x.b) << 4);
+}
+inline Mask maskOf(unsigned bits) {
+    const __m256i all = _mm256_set1_epi64x(bits);
+    const __m256i low = _mm256_setr_epi64x(1, 2, 4, 8), high = _mm256_setr_epi64x(16, 32, 64, 128);
+    return {_mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, low), low)),
+            _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, high), high))};
+}
+
+/// The powers of two at or below normal x, 2^-1022 <= x < 2^1022, and their inverses.
+inline F64 powerBelow(F64 x, F64& inverse) {
+    const __m256i bits = _mm256_set1_epi64x(0x7FF0000000000000);
+    const __m256i two = _mm256_set1_epi64x(0x7FE0000000000000);
+    const __m256i a = _mm256_and_si256(_mm256_castpd_si256(x.a), bits);
+    const __m256i b = _mm256_and_si256(_mm256_castpd_si256(x.b), bits);
+    inverse = {_mm256_castsi256_pd(_mm256_sub_epi64(two, a)),
+               _mm256_castsi256_pd(_mm256_sub_epi64(two, b))};
+    return {_mm256_castsi256_pd(a), _mm256_castsi256_pd(b)};
+}
+
+/// The lanes of `ids` that are `id`.
+inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
+        _mm256_cmpeq_epi32(_mm256_load_si256(reinterpret_cast<const __m256i*>(ids)),
+                           _mm256_set1_epi32(static_cast<int>(id))))));
+}
+inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
+    for (; bits; bits &= bits - 1) ids[__builtin_ctz(bits)] = id;
+}
+
+/// columns[i]: double i of 8 rays.
+inline void transpose(const geometry::Ray* rays, F64 columns[8]) {
+    for (int half = 0; half < 2; ++half) {     // of the rays
+        for (int four = 0; four < 2; ++four) { // of the columns
+            __m256d row[4];
+            for (int i = 0; i < 4; ++i)
+                row[i] = _mm256_loadu_pd(reinterpret_cast<const double*>(rays + 4 * half + i) +
+                                         4 * four);
+            const __m256d even01 = _mm256_unpacklo_pd(row[0], row[1]),
+                          odd01 = _mm256_unpackhi_pd(row[0], row[1]),
+                          even23 = _mm256_unpacklo_pd(row[2], row[3]),
+                          odd23 = _mm256_unpackhi_pd(row[2], row[3]);
+            const __m256d column[4] = {_mm256_permute2f128_pd(even01, even23, 0x20),
+                                       _mm256_permute2f128_pd(odd01, odd23, 0x20),
+                                       _mm256_permute2f128_pd(even01, even23, 0x31),
+                                       _mm256_permute2f128_pd(odd01, odd23, 0x31)};
+            for (int i = 0; i < 4; ++i)
+                (half ? columns[4 * four + i].b : columns[4 * four + i].a) = column[i];
+        }
+    }
+}
+
+inline F32 operator-(F32 x, F32 y) { return {_mm256_sub_ps(x.v, y.v)}; }
+inline F32 operator*(F32 x, F32 y) { return {_mm256_mul_ps(x.v, y.v)}; }
+
+/// f32 of 16 rays.
+struct Wide {
+    __m256 a, b;
+};
+
+#define RT_WIDE_BINARY(name, op)                                                                   \
+    inline Wide name(Wide x, Wide y) { return {op(x.a, y.a), op(x.b, y.b)}; }
+#define RT_WIDE_COMPARE(name, predicate)                                                           \
+    inline unsigned name(Wide x, Wide y) {                                                         \
+        return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(x.a, y.a, predicate)) |      \
+                                     _mm256_movemask_ps(_mm256_cmp_ps(x.b, y.b, predicate)) << 8); \
+    }
+
+inline Wide loadWide(const float* p) { return {_mm256_load_ps(p), _mm256_load_ps(p + 8)}; }
+inline Wide allWide(float x) {
+    const __m256 v = _mm256_set1_ps(x);
+    return {v, v};
+}
+inline void store(float* p, Wide x) {
+    _mm256_store_ps(p, x.a);
+    _mm256_store_ps(p + 8, x.b);
+}
+RT_WIDE_BINARY(operator+, _mm256_add_ps)
+RT_WIDE_BINARY(operator-, _mm256_sub_ps)
+RT_WIDE_BINARY(operator*, _mm256_mul_ps)
+RT_WIDE_BINARY(smaller, _mm256_min_ps)
+RT_WIDE_BINARY(larger, _mm256_max_ps)
+RT_WIDE_COMPARE(bitsLess, _CMP_LT_OQ)
+RT_WIDE_COMPARE(bitsLessEqual, _CMP_LE_OQ)
+inline Wide productMinus(Wide x, Wide y, Wide z) {
+    return {_mm256_fmsub_ps(x.a, y.a, z.a), _mm256_fmsub_ps(x.b, y.b, z.b)};
+}
+inline Wide minusProduct(Wide x, Wide y, Wide z) {
+    return {_mm256_fnmadd_ps(y.a, z.a, x.a), _mm256_fnmadd_ps(y.b, z.b, x.b)};
+}
+inline Wide magnitude(Wide x) {
+    const __m256 sign = _mm256_set1_ps(-0.0f);
+    return {_mm256_andnot_ps(sign, x.a), _mm256_andnot_ps(sign, x.b)};
+}
+inline float smallestOf(Wide x) {
+    const __m256 v = _mm256_min_ps(x.a, x.b);
+    __m128 w = _mm_min_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
+    w = _mm_min_ps(w, _mm_movehl_ps(w, w));
+    return _mm_cvtss_f32(_mm_min_ss(w, _mm_movehdup_ps(w)));
+}
+inline float largestOf(Wide x) {
+    const __m256 v = _mm256_max_ps(x.a, x.b);
+    __m128 w = _mm_max_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
+    w = _mm_max_ps(w, _mm_movehl_ps(w, w));
+    return _mm_cvtss_f32(_mm_max_ss(w, _mm_movehdup_ps(w)));
+}
+inline Wide narrow(F64 low, F64 high) {
+    return {_mm256_set_m128(_mm256_cvtpd_ps(low.b), _mm256_cvtpd_ps(low.a)),
+            _mm256_set_m128(_mm256_cvtpd_ps(high.b), _mm256_cvtpd_ps(high.a))};
+}
+
+#undef RT_WIDE_BINARY
+#undef RT_WIDE_COMPARE
+
 /// x, y, z and a fourth.
 struct Quad {
     __m256d v;
@@ -123,6 +247,19 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
     _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));
     top += static_cast<unsigned>(__builtin_popcount(mask));
     return next;
+}
+
+/// Puts slots of a node on the stack, farthest first, as base + slot.
+inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
+                      std::uint32_t* references, float* enters, std::size_t& top) {
+    const __m256i wanted = _mm256_and_si256(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
+    const unsigned m = static_cast<unsigned>(
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(wanted, order.bit))));
+    const __m256i from = _mm256_permutevar8x32_epi32(order.slots, compressing(m));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
+                        _mm256_or_si256(from, _mm256_set1_epi32(static_cast<int>(base))));
+    _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));
+    top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.

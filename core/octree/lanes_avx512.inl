@@ -39,6 +39,80 @@ inline F32 larger(F32 a, F32 b) { return {_mm256_max_ps(a.v, b.v)}; }
 inline F32 productMinus(F32 a, F32 b, F32 c) { return {_mm256_fmsub_ps(a.v, b.v, c.v)}; }
 inline unsigned bitsLessEqual(F32 a, F32 b) { return _mm256_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
 
+inline F64 magnitude(F64 a) { return {_mm512_abs_pd(a.v)}; }
+inline F64 withSignOf(F64 magnitudes, F64 signs) {
+    return {_mm512_or_pd(magnitudes.v, _mm512_and_pd(_mm512_set1_pd(-0.0), signs.v))};
+}
+inline unsigned signsOf(F64 a) { return _mm512_movepi64_mask(_mm512_castpd_si512(a.v)); }
+inline Mask maskOf(unsigned bits) { return static_cast<Mask>(bits); }
+
+/// The powers of two at or below normal a, 2^-1022 <= a < 2^1022, and their inverses.
+inline F64 powerBelow(F64 a, F64& inverse) {
+    const __m512i exponent =
+        _mm512_and_si512(_mm512_castpd_si512(a.v), _mm512_set1_epi64(0x7FF0000000000000));
+    inverse.v =
+        _mm512_castsi512_pd(_mm512_sub_epi64(_mm512_set1_epi64(0x7FE0000000000000), exponent));
+    return {_mm512_castsi512_pd(exponent)};
+}
+
+/// The lanes of `ids` that are `id`.
+inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
+    return _mm256_cmpeq_epi32_mask(_mm256_load_si256(reinterpret_cast<const __m256i*>(ids)),
+                                   _mm256_set1_epi32(static_cast<int>(id)));
+}
+inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
+    _mm256_mask_store_epi32(ids, static_cast<__mmask8>(bits),
+                            _mm256_set1_epi32(static_cast<int>(id)));
+}
+
+/// columns[i]: double i of 8 rays.
+inline void transpose(const geometry::Ray* rays, F64 columns[8]) {
+    __m512d row[8], pair[8];
+    for (int i = 0; i < 8; ++i) row[i] = _mm512_loadu_pd(rays + i);
+    for (int i = 0; i < 4; ++i) {
+        pair[2 * i] = _mm512_unpacklo_pd(row[2 * i], row[2 * i + 1]);
+        pair[2 * i + 1] = _mm512_unpackhi_pd(row[2 * i], row[2 * i + 1]);
+    }
+    for (int odd = 0; odd < 2; ++odd) {
+        const __m512d low04 = _mm512_shuffle_f64x2(pair[odd], pair[2 + odd], 0x88);
+        const __m512d low26 = _mm512_shuffle_f64x2(pair[odd], pair[2 + odd], 0xDD);
+        const __m512d high04 = _mm512_shuffle_f64x2(pair[4 + odd], pair[6 + odd], 0x88);
+        const __m512d high26 = _mm512_shuffle_f64x2(pair[4 + odd], pair[6 + odd], 0xDD);
+        columns[odd].v = _mm512_shuffle_f64x2(low04, high04, 0x88);
+        columns[4 + odd].v = _mm512_shuffle_f64x2(low04, high04, 0xDD);
+        columns[2 + odd].v = _mm512_shuffle_f64x2(low26, high26, 0x88);
+        columns[6 + odd].v = _mm512_shuffle_f64x2(low26, high26, 0xDD);
+    }
+}
+
+inline F32 operator-(F32 a, F32 b) { return {_mm256_sub_ps(a.v, b.v)}; }
+inline F32 operator*(F32 a, F32 b) { return {_mm256_mul_ps(a.v, b.v)}; }
+
+/// f32 of 16 rays.
+struct Wide {
+    __m512 v;
+};
+
+inline Wide loadWide(const float* p) { return {_mm512_load_ps(p)}; }
+inline Wide allWide(float x) { return {_mm512_set1_ps(x)}; }
+inline void store(float* p, Wide a) { _mm512_store_ps(p, a.v); }
+inline Wide operator+(Wide a, Wide b) { return {_mm512_add_ps(a.v, b.v)}; }
+inline Wide operator-(Wide a, Wide b) { return {_mm512_sub_ps(a.v, b.v)}; }
+inline Wide operator*(Wide a, Wide b) { return {_mm512_mul_ps(a.v, b.v)}; }
+inline Wide productMinus(Wide a, Wide b, Wide c) { return {_mm512_fmsub_ps(a.v, b.v, c.v)}; }
+inline Wide minusProduct(Wide a, Wide b, Wide c) { return {_mm512_fnmadd_ps(b.v, c.v, a.v)}; }
+inline Wide smaller(Wide a, Wide b) { return {_mm512_min_ps(a.v, b.v)}; }
+inline Wide larger(Wide a, Wide b) { return {_mm512_max_ps(a.v, b.v)}; }
+inline Wide magnitude(Wide a) { return {_mm512_abs_ps(a.v)}; }
+inline unsigned bitsLess(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
+inline unsigned bitsLessEqual(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
+inline float smallestOf(Wide a) { return _mm512_reduce_min_ps(a.v); }
+inline float largestOf(Wide a) { return _mm512_reduce_max_ps(a.v); }
+inline Wide narrow(F64 low, F64 high) {
+    return {_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low.v)),
+                               _mm512_cvtpd_ps(high.v), 1)};
+}
+
 /// x, y, z and a fourth.
 struct Quad {
     __m256d v;
@@ -87,6 +161,19 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
     _mm256_storeu_ps(enters + top, _mm256_maskz_compress_ps(m, t));
     top += static_cast<unsigned>(__builtin_popcount(mask));
     return next;
+}
+
+/// Puts slots of a node on the stack, farthest first, as base + slot.
+inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
+                      std::uint32_t* references, float* enters, std::size_t& top) {
+    const __mmask8 m = _mm256_test_epi32_mask(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
+    _mm256_storeu_si256(
+        reinterpret_cast<__m256i*>(references + top),
+        _mm256_maskz_compress_epi32(
+            m, _mm256_or_si256(order.slots, _mm256_set1_epi32(static_cast<int>(base)))));
+    _mm256_storeu_ps(enters + top,
+                     _mm256_maskz_compress_ps(m, _mm256_permutevar8x32_ps(enter.v, order.slots)));
+    top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.

@@ -88,6 +88,132 @@ inline unsigned bitsLessEqual(F32 x, F32 y) {
                                  _mm_movemask_ps(_mm_cmple_ps(x.b, y.b)) << 4);
 }
 
+inline F64 magnitude(F64 x) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    return {_mm_andnot_pd(sign, x.a), _mm_andnot_pd(sign, x.b), _mm_andnot_pd(sign, x.c),
+            _mm_andnot_pd(sign, x.d)};
+}
+inline F64 withSignOf(F64 m, F64 s) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    return {_mm_or_pd(m.a, _mm_and_pd(sign, s.a)), _mm_or_pd(m.b, _mm_and_pd(sign, s.b)),
+            _mm_or_pd(m.c, _mm_and_pd(sign, s.c)), _mm_or_pd(m.d, _mm_and_pd(sign, s.d))};
+}
+inline unsigned signsOf(F64 x) { return bits({x.a, x.b, x.c, x.d}); }
+inline Mask maskOf(unsigned bits) {
+    alignas(16) std::uint64_t m[kLanes];
+    for (unsigned i = 0; i < kLanes; ++i) m[i] = 0 - static_cast<std::uint64_t>(bits >> i & 1);
+    const auto pair = [&](int i) {
+        return _mm_castsi128_pd(_mm_load_si128(reinterpret_cast<const __m128i*>(m + i)));
+    };
+    return {pair(0), pair(2), pair(4), pair(6)};
+}
+
+/// The powers of two at or below normal x, 2^-1022 <= x < 2^1022, and their inverses.
+inline F64 powerBelow(F64 x, F64& inverse) {
+    const __m128i bits = _mm_set1_epi64x(0x7FF0000000000000);
+    const __m128i two = _mm_set1_epi64x(0x7FE0000000000000);
+    const auto power = [&](__m128d v, __m128d& other) {
+        const __m128i p = _mm_and_si128(_mm_castpd_si128(v), bits);
+        other = _mm_castsi128_pd(_mm_sub_epi64(two, p));
+        return _mm_castsi128_pd(p);
+    };
+    return {power(x.a, inverse.a), power(x.b, inverse.b), power(x.c, inverse.c),
+            power(x.d, inverse.d)};
+}
+
+/// The lanes of `ids` that are `id`.
+inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
+    const auto four = [&](int i) {
+        return _mm_movemask_ps(_mm_castsi128_ps(
+            _mm_cmpeq_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(ids + i)),
+                            _mm_set1_epi32(static_cast<int>(id)))));
+    };
+    return static_cast<unsigned>(four(0) | four(4) << 4);
+}
+inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
+    for (; bits; bits &= bits - 1) ids[__builtin_ctz(bits)] = id;
+}
+
+/// columns[i]: double i of 8 rays.
+inline void transpose(const geometry::Ray* rays, F64 columns[8]) {
+    const auto* const p = reinterpret_cast<const double*>(rays);
+    const auto column = [&](int c, int row) {
+        return _mm_set_pd(p[8 * (row + 1) + c], p[8 * row + c]);
+    };
+    for (int c = 0; c < 8; ++c)
+        columns[c] = {column(c, 0), column(c, 2), column(c, 4), column(c, 6)};
+}
+
+inline F32 operator-(F32 x, F32 y) { return {_mm_sub_ps(x.a, y.a), _mm_sub_ps(x.b, y.b)}; }
+inline F32 operator*(F32 x, F32 y) { return {_mm_mul_ps(x.a, y.a), _mm_mul_ps(x.b, y.b)}; }
+
+/// f32 of 16 rays.
+struct Wide {
+    __m128 a, b, c, d;
+};
+
+#define RT_WIDE_BINARY(name, op)                                                                   \
+    inline Wide name(Wide x, Wide y) {                                                             \
+        return {op(x.a, y.a), op(x.b, y.b), op(x.c, y.c), op(x.d, y.d)};                           \
+    }
+#define RT_WIDE_COMPARE(name, op)                                                                  \
+    inline unsigned name(Wide x, Wide y) {                                                         \
+        return static_cast<unsigned>(                                                              \
+            _mm_movemask_ps(op(x.a, y.a)) | _mm_movemask_ps(op(x.b, y.b)) << 4 |                   \
+            _mm_movemask_ps(op(x.c, y.c)) << 8 | _mm_movemask_ps(op(x.d, y.d)) << 12);             \
+    }
+
+inline Wide loadWide(const float* p) {
+    return {_mm_load_ps(p), _mm_load_ps(p + 4), _mm_load_ps(p + 8), _mm_load_ps(p + 12)};
+}
+inline Wide allWide(float x) {
+    const __m128 v = _mm_set1_ps(x);
+    return {v, v, v, v};
+}
+inline void store(float* p, Wide x) {
+    _mm_store_ps(p, x.a);
+    _mm_store_ps(p + 4, x.b);
+    _mm_store_ps(p + 8, x.c);
+    _mm_store_ps(p + 12, x.d);
+}
+RT_WIDE_BINARY(operator+, _mm_add_ps)
+RT_WIDE_BINARY(operator-, _mm_sub_ps)
+RT_WIDE_BINARY(operator*, _mm_mul_ps)
+RT_WIDE_BINARY(smaller, _mm_min_ps)
+RT_WIDE_BINARY(larger, _mm_max_ps)
+RT_WIDE_COMPARE(bitsLess, _mm_cmplt_ps)
+RT_WIDE_COMPARE(bitsLessEqual, _mm_cmple_ps)
+inline Wide productMinus(Wide x, Wide y, Wide z) { return x * y - z; }
+inline Wide minusProduct(Wide x, Wide y, Wide z) { return x - y * z; }
+inline Wide magnitude(Wide x) {
+    const __m128 sign = _mm_set1_ps(-0.0f);
+    return {_mm_andnot_ps(sign, x.a), _mm_andnot_ps(sign, x.b), _mm_andnot_ps(sign, x.c),
+            _mm_andnot_ps(sign, x.d)};
+}
+inline float smallestOf(Wide x) {
+    alignas(16) float v[4];
+    _mm_store_ps(v, _mm_min_ps(_mm_min_ps(x.a, x.b), _mm_min_ps(x.c, x.d)));
+    float least = v[0];
+    for (const float f : v) least = f < least ? f : least;
+    return least;
+}
+inline float largestOf(Wide x) {
+    alignas(16) float v[4];
+    _mm_store_ps(v, _mm_max_ps(_mm_max_ps(x.a, x.b), _mm_max_ps(x.c, x.d)));
+    float most = v[0];
+    for (const float f : v) most = f > most ? f : most;
+    return most;
+}
+inline Wide narrow(F64 low, F64 high) {
+    const auto four = [](__m128d x, __m128d y) {
+        return _mm_movelh_ps(_mm_cvtpd_ps(x), _mm_cvtpd_ps(y));
+    };
+    return {four(low.a, low.b), four(low.c, low.d), four(high.a, high.b), four(high.c, high.d)};
+}
+
+#undef RT_WIDE_BINARY
+#undef RT_WIDE_COMPARE
+
 /// x, y, z and a fourth.
 struct Quad {
     __m128d a, b;
@@ -147,6 +273,20 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
         }
     }
     return node.child[nearest];
+}
+
+/// Puts slots of a node on the stack, farthest first, as base + slot.
+inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
+                      std::uint32_t* references, float* enters, std::size_t& top) {
+    alignas(16) float t[kLanes];
+    _mm_store_ps(t, enter.a);
+    _mm_store_ps(t + 4, enter.b);
+    for (unsigned j = kLanes; j-- > 0;) {
+        const unsigned slot = j ^ order.mirror;
+        if (!(mask >> slot & 1)) continue;
+        references[top] = base + slot;
+        enters[top++] = t[slot];
+    }
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.

@@ -219,16 +219,24 @@ bool Octree::crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
     return true;
 }
 
-void Octree::closest(std::span<const Ray> rays, std::span<Hit> hits, Coherence,
+void Octree::closest(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence,
                      Visits* visits) const {
     requireEqualSizes(rays.size(), hits.size());
-    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest(rays[i], visits);
+    if (impl_)
+        impl_->kernel->closestBatch(impl_->view, rays.data(), rays.size(),
+                                    coherence == Coherence::coherent, hits.data(), visits);
+    else
+        std::fill(hits.begin(), hits.end(), Hit());
 }
 
-void Octree::occluded(std::span<const Ray> rays, std::span<std::uint8_t> answers, Coherence,
-                      Visits* visits) const {
+void Octree::occluded(std::span<const Ray> rays, std::span<std::uint8_t> answers,
+                      Coherence coherence, Visits* visits) const {
     requireEqualSizes(rays.size(), answers.size());
-    for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = occluded(rays[i], visits);
+    if (impl_)
+        impl_->kernel->occludedBatch(impl_->view, rays.data(), rays.size(),
+                                     coherence == Coherence::coherent, answers.data(), visits);
+    else
+        std::fill(answers.begin(), answers.end(), std::uint8_t{0});
 }
 
 Hit Octree::closestWithoutTree(const Ray& ray) const {

@@ -19,6 +19,7 @@
 #include <ctime>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -124,6 +125,21 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
                                       hits[c][i] = tree.closest(list[i]);
                           },
                           {}});
+    std::vector<Hit> batchHits;
+    std::vector<std::uint8_t> batchOccluded(occluded.size());
+    for (const auto& list : rays.of) batchHits.resize(std::max(batchHits.size(), list.size()));
+    const auto batch = [&](RayClass c, octree::Coherence coherence) {
+        const auto& list = rays.of[c];
+        if (c == kShadow)
+            tree.occluded(list, batchOccluded, coherence);
+        else
+            tree.closest(list, std::span(batchHits).first(list.size()), coherence);
+    };
+    contenders.push_back(
+        {"octree bundles", [&](RayClass c) { batch(c, octree::Coherence::coherent); }, {}});
+    contenders.push_back(
+        {"octree in turns", [&](RayClass c) { batch(c, octree::Coherence::incoherent); }, {}});
+    constexpr std::size_t kBase = 3; // Embree robust: the ratios are to this
 #ifdef RT_BENCH_EMBREE
     const auto scene = [&](bool robust) {
         return mesh ? std::make_unique<EmbreeScene>(*mesh, robust)
@@ -206,7 +222,7 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
         std::printf("\n%-18s", "Mrays/s (ratio)");
         for (const char* name : kClassNames) std::printf(" %15s", name);
         std::printf("\n");
-        const Contender& base = contenders.size() > 1 ? contenders[1] : contenders[0];
+        const Contender& base = contenders.size() > kBase ? contenders[kBase] : contenders[0];
         for (const Contender& contender : contenders) {
             std::printf("%-18s", contender.name.c_str());
             double product = 1;
@@ -238,11 +254,11 @@ void measure(const Subject& subject, const Mesh* mesh, const std::vector<Ball>* 
         for (int c = 0; c < kClasses; ++c) {
             std::printf("%s{\"class\": \"%s\", \"mrays\": %.3f", c ? ", " : "", kClassNames[c],
                         mrays(contenders[0], c));
-            if (contenders.size() > 1)
+            if (contenders.size() > kBase)
                 std::printf(", \"ratio_robust\": %.3f, \"ratio_default\": %.3f, "
                             "\"mismatches\": %zu",
-                            ratio(contenders[0], contenders[1], c),
-                            ratio(contenders[0], contenders[2], c), mismatches[c]);
+                            ratio(contenders[0], contenders[kBase], c),
+                            ratio(contenders[0], contenders[kBase + 1], c), mismatches[c]);
             std::printf("}");
         }
         std::printf("], \"build_s\": %.4f, ", build);

@@ -1,0 +1,736 @@
+// 16 rays that start and point alike, traced together: lanes are rays here, children or primitives
+// elsewhere. The answers are those of kernel.inl, because every answer comes from the same f64
+// expressions, and what is left out before them (boxes, the f32 filter) is left out only where they
+// would find nothing. In which order primitives are met does not matter: the smallest t wins, then the
+// lowest id.
+//
+// The rays must agree in the signs of their directions and in the largest component; others go one by
+// one.
+
+constexpr int kRays = 16;
+
+// Bundles against single rays: octree_bench, bunny and stadium, primary and shadow rays.
+constexpr int kFewInNode = 2; // so many rays or fewer go on one by one below a node
+constexpr int kFewInLeaf = 3; // so many or fewer test a leaf one by one
+constexpr std::size_t kWorthBundle = 4;
+
+/// All boxes that any of the rays may meet, at once for the 8 children of a node.
+///
+/// The enter parameter of ray i at a plane p is (p − oᵢ)/dᵢ; all directions have one sign along the
+/// axis. Let O be the largest oᵢ + sᵢ where directions are positive and the smallest oᵢ − sᵢ where they
+/// are negative, and R the interval of the fl(1/dᵢ). Then fl(fl(p − O)·r), r an end of R, whichever
+/// makes it smaller, is for no ray later than (p − oᵢ)/dᵢ − sᵢ/|dᵢ| plus roundings: of r, the
+/// difference and the product, each u = 2^-24 of (1 + |oᵢ| + sᵢ)/|dᵢ|, and of O to f32, u(|oᵢ| + sᵢ)/|dᵢ|. So
+/// sᵢ = 5u(1 + |oᵢ|) makes it no later than the exact one and leaves 1u/|dᵢ| for what the leaf tests
+/// round, as BoxRay does. Leave parameters likewise, mirrored. Products smaller than 2^-126 lose at
+/// most 2^-149, which kLeastLimit and the 1u outweigh: |r| >= 1/2.
+struct BundleBoxes {
+    F32 enterOrigin[3], leaveOrigin[3], low[3], high[3];
+    std::uintptr_t near[3]; // offsets of rows of Node::planes, bytes
+};
+
+constexpr double kBundleSlack = 5 * numeric::powerOfTwo(-24); // derived above
+
+struct alignas(64) Bundle {
+    // as BoxRay, [axis][ray]; in octree space
+    float inverse[3][kRays], enter[3][kRays], leave[3][kRays];
+    float limit[kRays]; // as boxLimit; -1: the ray meets no box any more
+    float cap[kRays];   // of limit: -1 or infinity
+    double perT[kRays], shift[kRays];
+    // as Frame
+    double origin[3][kRays], direction[3][kRays];
+    double shearX[kRays], shearY[kRays], shearZ[kRays];
+    double squared[kRays], inverseSquared[kRays];
+    // as Best; t of an occlusion query is the last that counts
+    double t[kRays], u[kRays], v[kRays];
+    std::uint32_t id[kRays], exclude[kRays];
+    unsigned found;   // bit per ray
+    unsigned active;  // bit per ray that may still meet a box
+    bool excludes;    // any ray excludes a primitive
+    bool boxesAreMet; // any ray may meet any box
+    int kx, ky, kz;
+    unsigned mirror;
+    BundleBoxes boxes;
+    // for the f32 filter: octree space, relative to `reference`, axes as kx, ky, kz
+    float filterX[kRays], filterY[kRays], filterZ[kRays], filterShearX[kRays], filterShearY[kRays];
+    double reference[3]; // [axis]
+    float filterError;   // of a sheared coordinate
+};
+
+/// False if the rays do not go together. rays: 16, of which `count` matter.
+inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle& b) {
+    static_assert(sizeof(Ray) == 8 * sizeof(double) && __builtin_offsetof(Ray, origin) == 0 &&
+                  __builtin_offsetof(Ray, tMax) == 3 * sizeof(double) &&
+                  __builtin_offsetof(Ray, direction) == 4 * sizeof(double));
+    enum { kOrigin = 0, kTMax = 3, kDirection = 4 };
+    F64 column[2][8];
+    transpose(rays, column[0]);
+    transpose(rays + kLanes, column[1]);
+    b.mirror = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const unsigned negative =
+            signsOf(column[0][kDirection + axis]) | signsOf(column[1][kDirection + axis]) << kLanes;
+        if (negative != 0 && negative != 0xFFFF) return false;
+        b.mirror |= (negative & 1) << axis;
+    }
+    unsigned xy = 0, xz = 0, yz = 0, good = 0;
+    F64 power[2], factor[2];
+    for (int g = 0; g < 2; ++g) {
+        const F64 x = magnitude(column[g][kDirection]), y = magnitude(column[g][kDirection + 1]),
+                  z = magnitude(column[g][kDirection + 2]);
+        const int at = g * kLanes;
+        xy |= bits(x > y) << at;
+        xz |= bits(x > z) << at;
+        yz |= bits(y > z) << at;
+        // Neither infinite nor NaN nor subnormal.
+        const F64 largest = larger(larger(x, y), z);
+        good |= bits(both((x + y) + z < all(0x1p1021), largest >= all(0x1p-1022))) << at;
+        power[g] = powerBelow(largest, factor[g]);
+    }
+    if (good != 0xFFFF) return false;
+    if ((xy & xz) == 0xFFFF)
+        b.kz = 0;
+    else if ((~xy & yz) == 0xFFFF)
+        b.kz = 1;
+    else if (((xy & xz) | (~xy & yz)) == 0)
+        b.kz = 2;
+    else
+        return false;
+    b.kx = b.kz == 2 ? 0 : b.kz + 1;
+    b.ky = b.kx == 2 ? 0 : b.kx + 1;
+
+    alignas(64) double moved[3][kRays], extra[kRays];
+    alignas(64) double inverse[3][kRays], unit[3][kRays];
+    unsigned isNear = 0xFFFF;
+    for (int g = 0; g < 2; ++g) {
+        const int at = g * kLanes;
+        for (int axis = 0; axis < 3; ++axis) {
+            const F64 o = column[g][kOrigin + axis], d = column[g][kDirection + axis];
+            store(b.origin[axis] + at, o);
+            store(b.direction[axis] + at, d);
+            const F64 n = d * factor[g];
+            const F64 clamped = withSignOf(larger(magnitude(n), all(kSmallestDirection)), n);
+            store(unit[axis] + at, clamped);
+            store(inverse[axis] + at, all(1.0) / clamped);
+            const F64 scaled = (o - all(tree.center[axis])) * all(tree.scale);
+            store(moved[axis] + at, scaled);
+            isNear &= bits(magnitude(scaled) <= all(kNear)) << at | 0xFF00u >> at;
+        }
+        const F64 perT = all(tree.scale) * power[g];
+        store(b.perT + at, select(perT > all(kLeastScale), perT, all(__builtin_inf())));
+        store(b.shift + at, all(0.0));
+        store(extra + at, all(0.0));
+        store(b.t + at, column[g][kTMax]);
+        store(b.u + at, all(0.0));
+        store(b.v + at, all(0.0));
+        const F64 shearZ = load(inverse[b.kz] + at) * factor[g];
+        store(b.shearZ + at, shearZ);
+        store(b.shearX + at, column[g][kDirection + b.kx] * shearZ);
+        store(b.shearY + at, column[g][kDirection + b.ky] * shearZ);
+        if (tree.hasSpheres) {
+            const F64 x = column[g][kDirection], y = column[g][kDirection + 1],
+                      z = column[g][kDirection + 2];
+            const F64 squared = (x * x + y * y) + z * z;
+            store(b.squared + at, squared);
+            store(b.inverseSquared + at, all(1.0) / squared);
+        }
+    }
+    b.found = 0;
+    b.active = 0xFFFFu >> (kRays - count);
+    double mostExtra = 0;
+    for (unsigned far = ~isNear & 0xFFFF; far; far &= far - 1) {
+        const int i = __builtin_ctz(far);
+        double at[3], distance = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            at[axis] = moved[axis][i];
+            if (!(absolute(at[axis]) <= distance)) distance = absolute(at[axis]);
+        }
+        if (!(distance <= kTooFar)) return false; // or NaN
+        const double inverses[3] = {inverse[0][i], inverse[1][i], inverse[2][i]};
+        const double direction[3] = {unit[0][i], unit[1][i], unit[2][i]};
+        if (!moveNear(inverses, direction, distance, at, b.shift[i], extra[i]))
+            b.active &= ~(1u << i);
+        if (extra[i] > mostExtra) mostExtra = extra[i];
+        for (int axis = 0; axis < 3; ++axis) moved[axis][i] = at[axis];
+    }
+    b.excludes = false;
+    for (int i = 0; i < kRays; ++i) {
+        b.exclude[i] = static_cast<std::uint32_t>(rays[i].exclude);
+        b.excludes |= b.exclude[i] != 0xFFFFFFFFu;
+        b.id[i] = 0;
+        b.cap[i] = b.active >> i & 1 ? __builtin_inff() : -1.0f;
+    }
+
+    Wide reach = allWide(0);
+    double reference = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        F64 enter[2], leave[2], low[2], high[2], relative[2];
+        const double first = moved[axis][0];
+        b.reference[axis] = first;
+        if (absolute(first) > reference) reference = absolute(first);
+        for (int g = 0; g < 2; ++g) {
+            const int at = g * kLanes;
+            const F64 o = load(moved[axis] + at), r = load(inverse[axis] + at);
+            const F64 size = all(1.0) + magnitude(o), more = load(extra + at);
+            const F64 slack = (all(kSlack) * size + more) * magnitude(r), t = o * r;
+            enter[g] = t + slack;
+            leave[g] = t - slack;
+            const F64 wider = all(kBundleSlack) * size + more;
+            low[g] = o - wider;
+            high[g] = o + wider;
+            relative[g] = o - all(first);
+        }
+        const Wide inverses = narrow(load(inverse[axis]), load(inverse[axis] + kLanes));
+        store(b.inverse[axis], inverses);
+        store(b.enter[axis], narrow(enter[0], enter[1]));
+        store(b.leave[axis], narrow(leave[0], leave[1]));
+        const F32 least = all(smallestOf(narrow(low[0], low[1]))),
+                  most = all(largestOf(narrow(high[0], high[1])));
+        const bool negative = b.mirror >> axis & 1;
+        b.boxes.enterOrigin[axis] = negative ? least : most;
+        b.boxes.leaveOrigin[axis] = negative ? most : least;
+        b.boxes.low[axis] = all(smallestOf(inverses));
+        b.boxes.high[axis] = all(largestOf(inverses));
+        b.boxes.near[axis] = kRow * (2 * static_cast<unsigned>(axis) + negative);
+        const Wide offset = narrow(relative[0], relative[1]);
+        store(axis == b.kx ? b.filterX : axis == b.ky ? b.filterY : b.filterZ, offset);
+        reach = larger(reach, magnitude(offset));
+    }
+    store(b.filterShearX, narrow(load(b.shearX), load(b.shearX + kLanes)));
+    store(b.filterShearY, narrow(load(b.shearY), load(b.shearY + kLanes)));
+    b.filterError = tree.scale < kFilterLargestScale
+                        ? kShearError * (1 + static_cast<float>(reference) + largestOf(reach)) +
+                              2 * static_cast<float>(mostExtra)
+                        : __builtin_inff();
+    return true;
+}
+
+/// As boxLimit, for all rays; returns the largest.
+inline float setLimits(Bundle& b) {
+    F64 moved[2];
+    for (int g = 0; g < 2; ++g) {
+        const int at = g * kLanes;
+        const F64 scaled = load(b.t + at) * load(b.perT + at);
+        const F64 m = scaled - load(b.shift + at) + all(kLimitSlack) * scaled;
+        moved[g] = larger(select(m < all(0x1p120), m, all(__builtin_inf())), all(0.0));
+    }
+    const Wide limit =
+        smaller(narrow(moved[0], moved[1]) * allWide(1 + kLimitSlackF32) + allWide(kLeastLimit),
+                loadWide(b.cap));
+    store(b.limit, limit);
+    return largestOf(limit);
+}
+
+/// The children whose boxes any ray may meet in [0, limit].
+inline unsigned mayMeet(const Node& node, const BundleBoxes& b, F32 limit, F32& enter) {
+    const auto earlier = [&](int axis) {
+        const F32 p = row(node, b.near[axis]) - b.enterOrigin[axis];
+        return smaller(p * b.low[axis], p * b.high[axis]);
+    };
+    const auto later = [&](int axis) {
+        const F32 p = row(node, b.near[axis] ^ kRow) - b.leaveOrigin[axis];
+        return larger(p * b.low[axis], p * b.high[axis]);
+    };
+    enter = larger(larger(earlier(0), earlier(1)), larger(earlier(2), all(0.0f)));
+    return bitsLessEqual(enter, smaller(smaller(later(0), later(1)), smaller(later(2), limit)));
+}
+
+/// The rays that meet the box of one child: as meets().
+inline unsigned meetChild(const Node& node, unsigned slot, const Bundle& b) {
+    const auto plane = [&](std::uintptr_t offset) {
+        return allWide(*(
+            reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset) + slot));
+    };
+    const auto enter = [&](int axis) {
+        return productMinus(plane(b.boxes.near[axis]), loadWide(b.inverse[axis]),
+                            loadWide(b.enter[axis]));
+    };
+    const auto leave = [&](int axis) {
+        return productMinus(plane(b.boxes.near[axis] ^ kRow), loadWide(b.inverse[axis]),
+                            loadWide(b.leave[axis]));
+    };
+    return bitsLessEqual(
+        larger(larger(enter(0), enter(1)), larger(enter(2), allWide(0))),
+        smaller(smaller(leave(0), leave(1)), smaller(leave(2), loadWide(b.limit))));
+}
+
+/// Takes over what 8 rays found in one primitive; returns the rays for which it is better (kAny: a hit).
+template <bool kAny, bool kPlanar>
+inline unsigned take(Bundle& b, int at, Mask met, F64 t, F64 u, F64 v, std::uint32_t id) {
+    const F64 best = load(b.t + at);
+    unsigned lanes = bits(both(met, both(t > all(0.0), t <= best)));
+    if (!lanes) return 0;
+    if (kPlanar && b.excludes) lanes &= ~bitsEqual(b.exclude + at, id);
+    if (kAny) return lanes << at;
+    unsigned better = bits(t < best) & lanes;
+    for (unsigned equal = lanes & ~better; equal; equal &= equal - 1) {
+        const int i = __builtin_ctz(equal);
+        if (id < b.id[at + i]) better |= 1u << i;
+    }
+    const Mask m = maskOf(better);
+    store(b.t + at, select(m, t, best));
+    store(b.u + at, select(m, u, load(b.u + at)));
+    store(b.v + at, select(m, v, load(b.v + at)));
+    storeWhere(better, b.id + at, id);
+    b.found |= better << at;
+    return better << at;
+}
+
+/// What 8 rays of a bundle need for a planar test.
+struct EightRays {
+    F64 ox, oy, oz, shearX, shearY, shearZ;
+};
+
+inline EightRays eightOf(const Bundle& b, int at) {
+    return {load(b.origin[b.kx] + at), load(b.origin[b.ky] + at), load(b.origin[b.kz] + at),
+            load(b.shearX + at),       load(b.shearY + at),       load(b.shearZ + at)};
+}
+
+inline Sheared shear(const EightRays& r, double x, double y, double z) {
+    const F64 pz = all(z) - r.oz;
+    return {(all(x) - r.ox) - r.shearX * pz, (all(y) - r.oy) - r.shearY * pz, pz};
+}
+
+/// Sheared f32 corners of a block: [corner][ray].
+template <int kCorners> struct alignas(64) FilterCorners {
+    float x[kCorners][kRays], y[kCorners][kRays];
+};
+
+/// x, y, z: of the corners, as Bundle::filterX; returns what an edge function may be off: see filter.inl.
+template <int kCorners>
+inline Wide shearForFilter(const Bundle& b, const float* x, const float* y, const float* z,
+                           unsigned count, FilterCorners<kCorners>& to) {
+    const Wide ox = loadWide(b.filterX), oy = loadWide(b.filterY), oz = loadWide(b.filterZ);
+    const Wide shearX = loadWide(b.filterShearX), shearY = loadWide(b.filterShearY);
+    Wide most = allWide(0);
+    for (unsigned i = 0; i < count; ++i) {
+        const Wide pz = allWide(z[i]) - oz;
+        const Wide px = minusProduct(allWide(x[i]) - ox, shearX, pz);
+        const Wide py = minusProduct(allWide(y[i]) - oy, shearY, pz);
+        store(to.x[i], px);
+        store(to.y[i], py);
+        most = larger(most, larger(magnitude(px), magnitude(py)));
+    }
+    return (most + allWide(b.filterError)) * allWide(kEdgeError * b.filterError);
+}
+
+/// The rays that one triangle is not ruled out for.
+template <int kCorners>
+inline unsigned filterTriangle(const FilterCorners<kCorners>& p, unsigned a, unsigned b, unsigned c,
+                               Wide bound) {
+    const Wide ax = loadWide(p.x[a]), ay = loadWide(p.y[a]), bx = loadWide(p.x[b]),
+               by = loadWide(p.y[b]), cx = loadWide(p.x[c]), cy = loadWide(p.y[c]);
+    const Wide u = productMinus(cx, by, cy * bx), v = productMinus(ax, cy, ay * cx),
+               w = productMinus(bx, ay, by * ax);
+    return ~(bitsLess(smaller(smaller(u, v), w), allWide(0) - bound) &
+             bitsLess(bound, larger(larger(u, v), w)));
+}
+
+/// Corners of a block, brought to where Bundle::filterX is.
+template <class Float>
+inline Wide filterCoordinates(const TreeView& tree, const Bundle& b, int axis, const Float* low,
+                              const Float* high) {
+    const F64 center = all(tree.center[axis]), scale = all(tree.scale),
+              from = all(b.reference[axis]);
+    return narrow((widened(low) - center) * scale - from, (widened(high) - center) * scale - from);
+}
+
+/// Pairs of a triangle and 8 rays that the filter leaves, bit per triangle.
+struct Candidates {
+    unsigned rays[kSharedLanes]; // bit per ray
+    unsigned triangles[2];
+};
+
+inline void note(Candidates& c, int triangle, unsigned rays) {
+    c.rays[triangle] = rays;
+    c.triangles[0] |= static_cast<unsigned>((rays & 0xFF) != 0) << triangle;
+    c.triangles[1] |= static_cast<unsigned>((rays & 0xFF00) != 0) << triangle;
+}
+
+/// One triangle against 8 rays: geometry::intersectTriangle.
+template <bool kAny>
+inline unsigned testTriangle(Bundle& b, const EightRays& rays, int at, const Sheared& p,
+                             const Sheared& q, const Sheared& r, std::uint32_t id) {
+    const Edges e = edgesOf(p, q, r);
+    const Mask in = inside(e);
+    if (!bits(in)) return 0;
+    const Solution s = solve(rays.shearZ, e, p, q, r);
+    return take<kAny, true>(b, at, both(in, s.exists), s.t, s.b, s.c, id);
+}
+
+template <bool kAny, class Block>
+[[gnu::noinline]] unsigned bundleInShared(const TreeView& tree, const Block& block, Bundle& b,
+                                          unsigned active) {
+    alignas(64) float x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
+    const auto *const cx = block.corner[b.kx], *const cy = block.corner[b.ky],
+                      *const cz = block.corner[b.kz];
+    const std::uint32_t* const ids = idsOf(tree, block);
+    store(x, filterCoordinates(tree, b, b.kx, cx, cx + kLanes));
+    store(y, filterCoordinates(tree, b, b.ky, cy, cy + kLanes));
+    store(z, filterCoordinates(tree, b, b.kz, cz, cz + kLanes));
+    const F64 low = widened(cx), high = widened(cx + kLanes); // NaN where unused
+    const unsigned corners =
+        static_cast<unsigned>(__builtin_popcount(bits(low == low) | bits(high == high) << kLanes));
+    FilterCorners<kSharedLanes> sheared;
+    const Wide bound = shearForFilter(b, x, y, z, corners, sheared);
+    Candidates c;
+    c.triangles[0] = c.triangles[1] = 0;
+    for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        note(c, i,
+             active & filterTriangle(sheared, block.index[0][i], block.index[1][i],
+                                     block.index[2][i], bound));
+    }
+    unsigned result = 0;
+    for (int g = 0; g < 2; ++g) {
+        const int at = g * kLanes;
+        if (!c.triangles[g]) continue;
+        const EightRays rays = eightOf(b, at);
+        for (unsigned triangles = c.triangles[g]; triangles; triangles &= triangles - 1) {
+            const int i = __builtin_ctz(triangles);
+            if (kAny && !(c.rays[i] & 0xFFu << at & ~result)) continue;
+            const int p = block.index[0][i], q = block.index[1][i], r = block.index[2][i];
+            result |= testTriangle<kAny>(b, rays, at, shear(rays, cx[p], cy[p], cz[p]),
+                                         shear(rays, cx[q], cy[q], cz[q]),
+                                         shear(rays, cx[r], cy[r], cz[r]), ids[i]);
+        }
+    }
+    return result;
+}
+
+template <bool kAny, class Block>
+[[gnu::noinline]] unsigned bundleInTriangles(const TreeView& tree, const Block& block, Bundle& b,
+                                             unsigned active) {
+    constexpr int kCorners = 3 * kLanes;
+    alignas(64) float coordinates[3][kCorners + kLanes];
+    const int axes[3] = {b.kx, b.ky, b.kz};
+    for (int i = 0; i < 3; ++i) {
+        const int axis = axes[i];
+        store(coordinates[i],
+              filterCoordinates(tree, b, axis, block.corner[0][axis], block.corner[1][axis]));
+        store(coordinates[i] + 2 * kLanes,
+              filterCoordinates(tree, b, axis, block.corner[2][axis], block.corner[2][axis]));
+    }
+    const unsigned count = lanesInUse(block.id);
+    Candidates c;
+    c.triangles[0] = c.triangles[1] = 0;
+    for (unsigned i = 0; i < count; ++i) {
+        const float x[3] = {coordinates[0][i], coordinates[0][i + kLanes],
+                            coordinates[0][i + 2 * kLanes]},
+                    y[3] = {coordinates[1][i], coordinates[1][i + kLanes],
+                            coordinates[1][i + 2 * kLanes]},
+                    z[3] = {coordinates[2][i], coordinates[2][i + kLanes],
+                            coordinates[2][i + 2 * kLanes]};
+        FilterCorners<3> one;
+        const Wide off = shearForFilter(b, x, y, z, 3, one);
+        note(c, static_cast<int>(i), active & filterTriangle(one, 0, 1, 2, off));
+    }
+    unsigned result = 0;
+    for (int g = 0; g < 2; ++g) {
+        const int at = g * kLanes;
+        if (!c.triangles[g]) continue;
+        const EightRays rays = eightOf(b, at);
+        for (unsigned triangles = c.triangles[g]; triangles; triangles &= triangles - 1) {
+            const int i = __builtin_ctz(triangles);
+            if (kAny && !(c.rays[i] & 0xFFu << at & ~result)) continue;
+            const auto corner = [&](int k) {
+                return shear(rays, block.corner[k][b.kx][i], block.corner[k][b.ky][i],
+                             block.corner[k][b.kz][i]);
+            };
+            result |= testTriangle<kAny>(b, rays, at, corner(0), corner(1), corner(2), block.id[i]);
+        }
+    }
+    return result;
+}
+
+template <bool kAny>
+[[gnu::noinline]] unsigned bundleInParallelograms(const ParallelogramBlock& block, Bundle& b,
+                                                  unsigned active) {
+    const unsigned count = lanesInUse(block.id);
+    unsigned result = 0;
+    for (int at = 0; at < kRays; at += kLanes) {
+        if (!(active >> at & 0xFF)) continue;
+        const EightRays rays = eightOf(b, at);
+        for (unsigned i = 0; i < count; ++i) {
+            const auto corner = [&](int k) {
+                return shear(rays, block.corner[k][b.kx][i], block.corner[k][b.ky][i],
+                             block.corner[k][b.kz][i]);
+            };
+            const Sheared p = corner(0), q = corner(1), r = corner(2), s = corner(3);
+            const Edges e1 = edgesOf(p, q, r), e2 = edgesOf(p, r, s);
+            const Mask in1 = inside(e1), in2 = inside(e2);
+            if (!bits(either(in1, in2))) continue;
+            const Solution s1 = solve(rays.shearZ, e1, p, q, r),
+                           s2 = solve(rays.shearZ, e2, p, r, s);
+            const Mask first = both(in1, s1.exists), second = both(in2, s2.exists);
+            result |= take<kAny, true>(b, at, either(first, second), select(first, s1.t, s2.t),
+                                       select(first, s1.b + s1.c, s2.b),
+                                       select(first, s1.c, s2.b + s2.c), block.id[i]);
+        }
+    }
+    return result;
+}
+
+template <bool kAny>
+[[gnu::noinline]] unsigned bundleInSpheres(const SphereBlock& block, Bundle& b, unsigned active) {
+    const unsigned count = lanesInUse(block.id);
+    unsigned result = 0;
+    for (int at = 0; at < kRays; at += kLanes) {
+        if (!(active >> at & 0xFF)) continue;
+        const F64 ox = load(b.origin[0] + at), oy = load(b.origin[1] + at),
+                  oz = load(b.origin[2] + at);
+        const F64 dx = load(b.direction[0] + at), dy = load(b.direction[1] + at),
+                  dz = load(b.direction[2] + at);
+        const F64 squared = load(b.squared + at), inverseSquared = load(b.inverseSquared + at);
+        for (unsigned i = 0; i < count; ++i) {
+            const F64 r = all(block.radius[i]);
+            F64 t0, t1;
+            const Mask met = meetSphere(all(block.center[0][i]) - ox, all(block.center[1][i]) - oy,
+                                        all(block.center[2][i]) - oz, dx, dy, dz, squared,
+                                        inverseSquared, r, t0, t1);
+            if (!bits(met)) continue;
+            result |= take<kAny, false>(b, at, met, select(t0 > all(0.0), t0, t1), all(0.0),
+                                        all(0.0), block.id[i]);
+        }
+    }
+    return result;
+}
+
+inline Frame frameAt(const Bundle& b, int i) {
+    Frame f;
+    for (int axis = 0; axis < 3; ++axis) {
+        f.origin[axis] = b.origin[axis][i];
+        f.direction[axis] = b.direction[axis][i];
+    }
+    f.kx = b.kx;
+    f.ky = b.ky;
+    f.kz = b.kz;
+    f.ox = b.origin[b.kx][i];
+    f.oy = b.origin[b.ky][i];
+    f.oz = b.origin[b.kz][i];
+    f.shearX = b.shearX[i];
+    f.shearY = b.shearY[i];
+    f.shearZ = b.shearZ[i];
+    f.squared = b.squared[i];
+    f.inverseSquared = b.inverseSquared[i];
+    return f;
+}
+
+inline BoxLanes lanesAt(const Bundle& b, int i) {
+    return {all(b.inverse[0][i]), all(b.inverse[1][i]), all(b.inverse[2][i]), all(b.enter[0][i]),
+            all(b.enter[1][i]),   all(b.enter[2][i]),   all(b.leave[0][i]),   all(b.leave[1][i]),
+            all(b.leave[2][i]),   b.boxes.near[0],      b.boxes.near[1],      b.boxes.near[2]};
+}
+
+inline Best bestAt(const Bundle& b, int i) {
+    return {b.t[i], b.u[i], b.v[i], b.id[i], (b.found >> i & 1) != 0};
+}
+
+/// Takes over what a ray found alone; is it better?
+inline unsigned take(Bundle& b, int i, const Best& best) {
+    if (best.id == b.id[i] && best.t == b.t[i] && best.found == (b.found >> i & 1)) return 0;
+    b.t[i] = best.t;
+    b.u[i] = best.u;
+    b.v[i] = best.v;
+    b.id[i] = best.id;
+    b.found |= 1u << i;
+    return 1u << i;
+}
+
+/// One ray of the bundle alone below a reference.
+template <bool kCount, bool kAny>
+[[gnu::noinline]] unsigned aloneFrom(const TreeView& tree, std::uint32_t reference, const Ray& ray,
+                                     const Order& order, Bundle& b, int i, Visits* visits) {
+    const Frame f = frameAt(b, i);
+    if (kAny)
+        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(b, i),
+                                                     b.limit[i], f, b.exclude[i], b.t[i], visits))
+               << i;
+    Best best = bestAt(b, i);
+    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order, b.perT[i], b.shift[i], f,
+                        b.exclude[i], best, visits);
+    return take(b, i, best);
+}
+
+template <bool kCount, bool kAny>
+[[gnu::noinline]] unsigned aloneInRecord(const TreeView& tree, const LeafRecord& leaf,
+                                         const Ray* rays, Bundle& b, unsigned active,
+                                         Visits* visits) {
+    unsigned result = 0;
+    for (; active; active &= active - 1) {
+        const int i = __builtin_ctz(active);
+        const Frame f = frameAt(b, i);
+        if (kAny) {
+            result |= static_cast<unsigned>(
+                          anyInRecord<kCount>(tree, leaf, rays[i], f, b.exclude[i], b.t[i], visits))
+                      << i;
+            continue;
+        }
+        Best best = bestAt(b, i);
+        closestInRecord<kCount>(tree, leaf, rays[i], f, b.exclude[i], best, visits);
+        result |= take(b, i, best);
+    }
+    return result;
+}
+
+template <bool kCount, bool kAny>
+inline unsigned bundleInLeaf(const TreeView& tree, std::uint32_t reference, const Ray* rays,
+                             Bundle& b, unsigned active, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
+        return bundleInShared<kAny>(tree, tree.shared[index], b, active);
+    case kNarrowSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+        return bundleInShared<kAny>(tree, tree.narrowShared[index], b, active);
+    case kNarrowTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.narrowTriangles[index].id);
+        return bundleInTriangles<kAny>(tree, tree.narrowTriangles[index], b, active);
+    case kTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
+        return bundleInTriangles<kAny>(tree, tree.triangles[index], b, active);
+    case kSphereLeaf:
+        if (kCount) visits->spheres += lanesInUse(tree.spheres[index].id);
+        return bundleInSpheres<kAny>(tree.spheres[index], b, active);
+    case kParallelogramLeaf:
+        if (kCount) visits->parallelograms += lanesInUse(tree.parallelograms[index].id);
+        return bundleInParallelograms<kAny>(tree.parallelograms[index], b, active);
+    default:
+        break;
+    }
+    const LeafRecord& leaf = tree.records[index];
+    unsigned result = 0;
+    for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
+        const TriangleBlock& block = tree.triangles[leaf.triangles + i];
+        if (kCount) visits->triangles += lanesInUse(block.id);
+        result |= bundleInTriangles<kAny>(tree, block, b, active);
+    }
+    for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i) {
+        const SphereBlock& block = tree.spheres[leaf.spheres + i];
+        if (kCount) visits->spheres += lanesInUse(block.id);
+        result |= bundleInSpheres<kAny>(block, b, active);
+    }
+    for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i) {
+        const ParallelogramBlock& block = tree.parallelograms[leaf.parallelograms + i];
+        if (kCount) visits->parallelograms += lanesInUse(block.id);
+        result |= bundleInParallelograms<kAny>(block, b, active);
+    }
+    if (leaf.runCount) {
+        const LeafRecord customs{0, 0, 0, 0, 0, 0, leaf.runs, leaf.runCount};
+        result |= aloneInRecord<kCount, kAny>(tree, customs, rays, b,
+                                              kAny ? active & ~result : active, visits);
+    }
+    return result;
+}
+
+/// Answers in b.t, b.u, b.v, b.id and b.found.
+template <bool kCount, bool kAny>
+inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle& b,
+                  Visits* visits) {
+    const unsigned valid = 0xFFFFu >> (kRays - count);
+    if (tree.hasUnbounded) {
+        const unsigned result =
+            aloneInRecord<kCount, kAny>(tree, tree.unbounded, rays, b, valid, visits);
+        if (kAny) {
+            b.found |= result;
+            b.active &= ~result;
+            for (unsigned r = result; r; r &= r - 1) b.cap[__builtin_ctz(r)] = -1;
+        }
+    }
+    if (!tree.nodes || !b.active) return;
+    const Order order = orderOf(b.mirror);
+    float limit = setLimits(b);      // the largest of all rays
+    std::uint32_t slots[kStackSize]; // 8 · node + slot
+    float enters[kStackSize];
+    std::size_t top = 0;
+    std::uint32_t current = 0;
+    for (;;) {
+        if (kCount) ++visits->nodes;
+        F32 enter;
+        const unsigned mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
+        pushSlots(order, current << 3, enter, mask, slots, enters, top);
+        for (;;) {
+            if (top == 0) return;
+            --top;
+            if (enters[top] > limit) continue;
+            const Node& node = tree.nodes[slots[top] >> 3];
+            const unsigned slot = slots[top] & 7;
+            unsigned met = meetChild(node, slot, b) & b.active;
+            if (!met) continue;
+            const std::uint32_t reference = node.child[slot];
+            const int rayCount = __builtin_popcount(met);
+            const bool isLeaf = reference & kLeaf;
+            unsigned result = 0;
+            if (rayCount <= (isLeaf ? kFewInLeaf : kFewInNode))
+                for (; met; met &= met - 1) {
+                    const int i = __builtin_ctz(met);
+                    result |=
+                        aloneFrom<kCount, kAny>(tree, reference, rays[i], order, b, i, visits);
+                }
+            else if (isLeaf)
+                result = bundleInLeaf<kCount, kAny>(tree, reference, rays, b, met, visits);
+            else {
+                current = reference;
+                break;
+            }
+            if (!result) continue;
+            if (kAny) {
+                b.found |= result;
+                b.active &= ~result;
+                if (!b.active) return;
+                for (; result; result &= result - 1) {
+                    b.limit[__builtin_ctz(result)] = -1;
+                }
+                limit = largestOf(loadWide(b.limit));
+            } else {
+                limit = setLimits(b);
+            }
+        }
+    }
+}
+
+/// Sixteen rays from the next of a batch; those beyond its end repeat the last.
+inline const Ray* sixteen(const Ray* rays, unsigned count, unsigned char* padded) {
+    if (count == kRays) return rays;
+    for (unsigned i = 0; i < kRays; ++i)
+        __builtin_memcpy(padded + i * sizeof(Ray), rays + (i < count ? i : count - 1), sizeof(Ray));
+    return reinterpret_cast<const Ray*>(padded);
+}
+
+template <bool kCount>
+inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t count, Hit* hits,
+                           Visits* visits) {
+    alignas(64) unsigned char padded[kRays * sizeof(Ray)];
+    Bundle b;
+    for (std::size_t first = 0; first < count; first += kRays) {
+        const auto n = static_cast<unsigned>(count - first < kRays ? count - first : kRays);
+        const Ray* const batch = sixteen(rays + first, n, padded);
+        Hit* const to = hits + first;
+        if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
+            for (unsigned i = 0; i < n; ++i) closestImpl<kCount>(tree, batch[i], to + i, visits);
+            continue;
+        }
+        trace<kCount, false>(tree, batch, n, b, visits);
+        for (unsigned i = 0; i < n; ++i) answer(bestAt(b, static_cast<int>(i)), to + i);
+    }
+}
+
+template <bool kCount>
+inline void occludedBundles(const TreeView& tree, const Ray* rays, std::size_t count,
+                            std::uint8_t* answers, Visits* visits) {
+    alignas(64) unsigned char padded[kRays * sizeof(Ray)];
+    Bundle b;
+    for (std::size_t first = 0; first < count; first += kRays) {
+        const auto n = static_cast<unsigned>(count - first < kRays ? count - first : kRays);
+        const Ray* const batch = sixteen(rays + first, n, padded);
+        std::uint8_t* const to = answers + first;
+        if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
+            for (unsigned i = 0; i < n; ++i) to[i] = occludedImpl<kCount>(tree, batch[i], visits);
+            continue;
+        }
+        for (unsigned i = 0; i < n; ++i) b.t[i] = below(b.t[i]);
+        trace<kCount, true>(tree, batch, n, b, visits);
+        for (unsigned i = 0; i < n; ++i) to[i] = b.found >> i & 1;
+    }
+}
