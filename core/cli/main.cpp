@@ -2,6 +2,7 @@
 #include <core/cli/commands.hpp>
 #include <core/cli/exit_codes.hpp>
 #include <core/cli/interrupt.hpp>
+#include <core/plugin_host/fault_report.hpp>
 
 #include <csignal>
 #include <new>
@@ -77,5 +78,8 @@ int main(int argc, char** argv) {
     rt::cli::holdStandardDescriptors();
     std::signal(SIGXFSZ, SIG_IGN); // a full quota is an error of write(), with a message
     rt::cli::handleInterrupts();
-    return rt::cli::run(argc, argv);
+    rt::plugin_host::reportFaults();
+    const int exitCode = rt::cli::run(argc, argv);
+    rt::plugin_host::expectExit();
+    return exitCode;
 }

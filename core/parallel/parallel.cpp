@@ -4,10 +4,13 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
 
 #include <sched.h>
+#include <signal.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <fstream>
 #include <optional>
@@ -94,6 +97,23 @@ private:
     bool before_ = insideArena;
 };
 
+/// Gives each worker a stack for signal handlers, so that the overflow of its own can be reported.
+class HandlerStacks : public tbb::task_scheduler_observer {
+public:
+    explicit HandlerStacks(tbb::task_arena& arena) : task_scheduler_observer(arena) { observe(); }
+    ~HandlerStacks() override { observe(false); }
+
+    void on_scheduler_entry(bool isWorker) override {
+        thread_local std::array<char, std::size_t{1} << 16> memory; // untouched until it is needed
+        thread_local bool given = false;
+        if (!isWorker || given) return;
+        stack_t stack{};
+        stack.ss_sp = memory.data();
+        stack.ss_size = memory.size();
+        given = sigaltstack(&stack, nullptr) == 0;
+    }
+};
+
 } // namespace
 
 int availableThreads() {
@@ -112,6 +132,7 @@ void withThreads(int threads, const std::function<void()>& body) {
     const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
                                       static_cast<std::size_t>(count));
     tbb::task_arena arena(count);
+    const HandlerStacks stacks(arena);
     arena.execute([&] {
         const Inside inside;
         body();

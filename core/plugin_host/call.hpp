@@ -21,6 +21,7 @@ inline constexpr scene::Code kPluginFailed{530}; // failed, and no value of the 
 inline constexpr scene::Code kPluginThrew{531};  // an exception crossed the boundary
 inline constexpr scene::Code kBadGeometry{
     532}; // emitted geometry that breaks the rules of plugin.h
+inline constexpr scene::Code kPluginCrashed{533}; // said by fault_report, as text
 inline constexpr scene::Code kTooManyPrimitives{701};
 inline constexpr scene::Code kTooFarOut{702}; // a coordinate beyond kLargestCoordinate
 inline constexpr scene::Code kNoMemory{703};

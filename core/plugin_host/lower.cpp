@@ -1,6 +1,7 @@
 #include <core/plugin_host/lower.hpp>
 
 #include <core/plugin_host/call.hpp>
+#include <core/plugin_host/fault_report.hpp>
 #include <core/plugin_host/sink.hpp>
 #include <core/plugin_host/values.hpp>
 #include <core/scene/validate.hpp>
@@ -141,6 +142,7 @@ private:
     /// Runs a plugin's function and sees to it that a failure has a reason. True: it succeeded.
     template <class Function> bool run(Call& call, Function&& function) {
         rt_status status = RT_FAILED;
+        const RunningCall running(call);
         try {
             status = function();
         } catch (const std::exception& e) {

@@ -1,5 +1,6 @@
 #include <core/plugin_host/module.hpp>
 
+#include <core/plugin_host/fault_report.hpp>
 #include <core/plugin_host/stamp.hpp>
 #include <core/scene/validate.hpp>
 
@@ -108,6 +109,18 @@ std::string whyUnusable(const rt_module& module, std::string_view stem) {
     return whyRowsAreWrong(loader->params, loader->param_count, false);
 }
 
+void nameCalls(const rt_module& module) {
+    if (module.shape != nullptr) nameCall(module.shape->lower, "lower");
+    if (module.loader != nullptr) {
+        nameCall(module.loader->load, "load");
+        nameCall(module.loader->repair, "repair");
+    }
+    if (module.texture == nullptr) return;
+    nameCall(module.texture->create, "create");
+    nameCall(module.texture->evaluate, "evaluate");
+    nameCall(module.texture->destroy, "destroy");
+}
+
 } // namespace
 
 bool isTypeName(std::string_view name) { return name.size() <= 64 && isSnakeCase(name); }
@@ -181,6 +194,7 @@ std::variant<const rt_module*, std::string> openModule(const fs::path& path,
         dlclose(library); // `why` holds copies: the module's text goes away here
         return why;
     }
+    nameCalls(*module);
     return module; // its callbacks stay valid for ever
 }
 

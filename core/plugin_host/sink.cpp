@@ -1,5 +1,6 @@
 #include <core/plugin_host/sink.hpp>
 
+#include <core/plugin_host/fault_report.hpp>
 #include <core/plugin_host/object_sphere.hpp>
 
 #include <algorithm>
@@ -287,6 +288,10 @@ rt_status Sink::addCustom(const rt_custom& custom) {
         return refuse(kBadGeometry, "the kind of the custom shape is neither surface nor solid");
     if (custom.bounds == nullptr || custom.intersect == nullptr || custom.release == nullptr)
         return refuse(kBadGeometry, "rt_custom lacks a function");
+    nameCall(custom.bounds, "bounds");
+    nameCall(custom.intersect, "intersect");
+    nameCall(custom.crossings, "crossings");
+    nameCall(custom.release, "release");
     return addCustomIn(custom);
 }
 

@@ -253,6 +253,11 @@ say where it lies.)"},
      R"(The plugin could not do what it was asked; its message says why.)"},
     {Code{531}, "plugin threw an exception",
      R"(An exception left the plugin. This is an error in the plugin.)"},
+    {Code{533}, "plugin crashed",
+     R"(The plugin's own code was running when the program got a signal that ends it, or called exit. The message
+names the function of the plugin that rt had called, and the place in its file where it happened: give that to
+addr2line, with the plugin compiled with -g, for file and line. With 'ulimit -c unlimited' the program leaves a
+core file as well.)"},
 
     // ---- exit 6: output
     {Code{601}, "unknown format",

@@ -261,9 +261,14 @@ private:
             types_.emplace(key, *rows);
             return *rows;
         }
-        const std::vector<std::string> names = catalog_.names(kind);
+        std::vector<std::string> names = catalog_.names(kind);
         const bool exists = std::find(names.begin(), names.end(), name) != names.end();
-        const std::string near = exists ? "" : nearest(name, names);
+        std::string near = exists ? "" : nearest(name, names);
+        // What is not opened yet may be of another kind.
+        while (!near.empty() && !std::holds_alternative<TypeRows>(catalog_.find(kind, near))) {
+            std::erase(names, near);
+            near = nearest(name, names);
+        }
         if (!near.empty()) {
             diagnostics_.error(codes::kUnknownType, place, "there is no " + what,
                                "did you mean '" + near + "'?");
@@ -601,9 +606,10 @@ private:
             const std::string suffix = suffixOf(*path);
             type = suffix.empty() ? "" : catalog_.loaderFor(suffix);
             if (type.empty()) {
-                std::string loaders;
+                std::string loaders; // names() offers what is not opened yet as everything
                 for (const std::string& name : catalog_.names(TypeKind::loader))
-                    loaders += (loaders.empty() ? "" : ", ") + name;
+                    if (std::holds_alternative<TypeRows>(catalog_.find(TypeKind::loader, name)))
+                        loaders += (loaders.empty() ? "" : ", ") + name;
                 reader.report(
                     row->name,
                     {codes::kNoLoader, file.location,

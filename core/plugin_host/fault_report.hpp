@@ -1,0 +1,35 @@
+// A fault in a plugin's code names the plugin before the program ends. Nothing is paid for until it happens: the handler
+// finds the module from the addresses on the stack.
+#pragma once
+#include <core/plugin_host/call.hpp>
+
+namespace rt::plugin_host {
+
+/// Installs a handler of SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, unless somebody else (a sanitizer) has one, and
+/// looks at who calls exit(). What they say goes to stderr; then the program ends with exit code 5 when a plugin's
+/// code was running and 70 otherwise, or by the signal itself where core files are wanted (ulimit -c).
+void reportFaults();
+
+/// From now on, exit() is the program's own.
+void expectExit();
+
+/// Says that a plugin's function at `function` is its `call`, "intersect" for one. [setup]
+void nameCall(const void* function, const char* call);
+
+template <class Function> void nameCall(Function* function, const char* call) {
+    nameCall(reinterpret_cast<const void*>(function), call);
+}
+
+/// While it lives, one of the serial calls into a plugin runs, and a fault is located where the scene asked for it.
+class RunningCall {
+public:
+    explicit RunningCall(const Call& call);
+    ~RunningCall();
+    RunningCall(const RunningCall&) = delete;
+    RunningCall& operator=(const RunningCall&) = delete;
+
+private:
+    const Call* before_; // a shape's call goes on after the loader's inside it
+};
+
+} // namespace rt::plugin_host
