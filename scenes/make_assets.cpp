@@ -2,6 +2,7 @@
 #include <core/numeric/elementary.hpp>
 #include <core/numeric/vec.hpp>
 
+#include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -115,6 +116,125 @@ std::string gem() {
     return obj.text() + table + '\n';
 }
 
+/// Vertices and triangles for a glTF file: f32 positions and normals, u16 indices.
+class Lathe {
+public:
+    struct
+        Ring { // of a profile: distance from the y axis and height, and the normal's parts along both
+        double radius, y, outward, upward;
+    };
+
+    /// Turns the profile, from its top down, about y. Its ends may lie on the axis.
+    void turn(const std::vector<Ring>& profile, std::uint32_t around) {
+        const auto first = static_cast<std::uint32_t>(normals_.size());
+        for (const Ring& ring : profile)
+            for (std::uint32_t k = 0; k < around; ++k) {
+                const Vec3 c = onCircle(kTau * k / around);
+                positions_.push_back({ring.radius * c.x, ring.y, -ring.radius * c.y});
+                normals_.push_back(rt::numeric::normalize(
+                    Vec3(ring.outward * c.x, ring.upward, -ring.outward * c.y)));
+            }
+        for (std::uint32_t i = 0; i + 1 < profile.size(); ++i)
+            for (std::uint32_t k = 0; k < around; ++k) {
+                const std::uint32_t k1 = (k + 1) % around, upper = first + i * around,
+                                    lower = upper + around;
+                if (profile[i].radius > 0) triangle(upper + k, lower + k, upper + k1);
+                if (profile[i + 1].radius > 0) triangle(upper + k1, lower + k, lower + k1);
+            }
+    }
+
+    std::size_t vertexCount() const { return positions_.size(); }
+    std::size_t indexCount() const { return indices_.size(); }
+    std::string bytes() const {
+        std::string out;
+        for (const auto* list : {&positions_, &normals_})
+            for (const Vec3& v : *list)
+                for (int i = 0; i < 3; ++i) put(out, std::bit_cast<std::uint32_t>(float(v[i])), 4);
+        for (const std::uint32_t index : indices_) put(out, index, 2);
+        return out;
+    }
+
+private:
+    void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        indices_.insert(indices_.end(), {a, b, c});
+    }
+    static void put(std::string& out, std::uint32_t value, int count) { // little-endian
+        for (int i = 0; i < count; ++i) out += char(value >> 8 * i & 255);
+    }
+
+    std::vector<Vec3> positions_, normals_;
+    std::vector<std::uint32_t> indices_;
+};
+
+/// A chess pawn, about 1 high, as the glTF files `pawns.gltf` and `pawns.bin`: an ivory one, a taller one of ebony, and
+/// one of ivory that has fallen over. y is up, as always in glTF.
+Lathe pawn() {
+    Lathe lathe;
+    constexpr std::uint32_t kAround = 64;
+    const auto ellipsoid = [&](double y, double radius, double height, std::uint32_t rings) {
+        std::vector<Lathe::Ring> profile;
+        for (std::uint32_t i = 0; i <= rings; ++i) {
+            const double angle = kTau / 2 * i / rings, c = rt::numeric::cos(angle);
+            const double s = i == rings ? 0 : rt::numeric::sin(angle);
+            profile.push_back({radius * s, y + height * c, s / radius, c / height});
+        }
+        lathe.turn(profile, kAround);
+    };
+    ellipsoid(0.86, 0.17, 0.17, 32);
+    ellipsoid(0.68, 0.2, 0.035, 16);
+    std::vector<Lathe::Ring> body; // radius 0.1 + 0.2 h^3, h from 0 at the collar to 1 at the base
+    for (std::uint32_t i = 0; i <= 24; ++i) {
+        const double h = i / 24.0;
+        body.push_back({0.1 + 0.2 * h * h * h, 0.7 - 0.56 * h, 0.56, 0.6 * h * h});
+    }
+    lathe.turn(body, kAround);
+    ellipsoid(0.09, 0.36, 0.09, 24);
+    return lathe;
+}
+
+std::string pawnScene(const Lathe& lathe) {
+    const std::string vertices = std::to_string(lathe.vertexCount());
+    const std::size_t block = 12 * lathe.vertexCount();
+    const auto view = [&](std::size_t offset, std::size_t length) {
+        return "{\"buffer\": 0, \"byteOffset\": " + std::to_string(offset) +
+               ", \"byteLength\": " + std::to_string(length) + "}";
+    };
+    const auto mesh = [](const char* name, int material) {
+        return std::string("{\"name\": \"") + name +
+               "\", \"primitives\": [{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, "
+               "\"indices\": 2, \"material\": " +
+               std::to_string(material) + "}]}";
+    };
+    const auto material = [](const char* name, const char* color) {
+        return std::string("{\"name\": \"") + name +
+               "\", \"pbrMetallicRoughness\": {\"baseColorFactor\": " + color +
+               ", \"metallicFactor\": 0}}";
+    };
+    return "{\n\"asset\": {\"version\": \"2.0\", \"generator\": \"scenes/make_assets.cpp\"},\n"
+           "\"scene\": 0,\n\"scenes\": [{\"nodes\": [0]}],\n\"nodes\": [\n"
+           "  {\"name\": \"pawns\", \"children\": [1, 2, 3]},\n"
+           "  {\"name\": \"standing\", \"mesh\": 0, \"translation\": [-0.75, 0, 0.1]},\n"
+           "  {\"name\": \"tall\", \"mesh\": 1, \"translation\": [0.7, 0, -0.5], \"scale\": [1.1, "
+           "1.35, 1.1]},\n"
+           "  {\"name\": \"place\", \"children\": [4], \"translation\": [-0.2, 0, 0.9], "
+           "\"rotation\": [0, 0.1736, 0, 0.9848]},\n"
+           "  {\"name\": \"fallen\", \"mesh\": 0, \"translation\": [0, 0.371, 0], "
+           "\"rotation\": [0, 0, -0.7896, 0.6136]}],\n\"meshes\": [\n  " +
+           mesh("ivory pawn", 0) + ",\n  " + mesh("ebony pawn", 1) + "],\n\"materials\": [\n  " +
+           material("ivory", "[0.87, 0.76, 0.55, 1]") + ",\n  " +
+           material("ebony", "[0.11, 0.07, 0.05, 1]") +
+           "],\n\"buffers\": [{\"uri\": \"pawns.bin\", \"byteLength\": " +
+           std::to_string(2 * block + 2 * lathe.indexCount()) + "}],\n\"bufferViews\": [\n  " +
+           view(0, block) + ",\n  " + view(block, block) + ",\n  " +
+           view(2 * block, 2 * lathe.indexCount()) + "],\n\"accessors\": [\n" +
+           "  {\"bufferView\": 0, \"componentType\": 5126, \"type\": \"VEC3\", \"count\": " +
+           vertices + ", \"min\": [-0.36, 0, -0.36], \"max\": [0.36, 1.03, 0.36]},\n" +
+           "  {\"bufferView\": 1, \"componentType\": 5126, \"type\": \"VEC3\", \"count\": " +
+           vertices +
+           "},\n  {\"bufferView\": 2, \"componentType\": 5123, \"type\": \"SCALAR\", \"count\": " +
+           std::to_string(lathe.indexCount()) + "}]\n}\n";
+}
+
 // ---- textures -------------------------------------------------------------------------------------------
 
 /// Lattice value in [0, 1) from a hash; the lattice repeats every `period` cells in x.
@@ -204,6 +324,9 @@ int main(int argc, char** argv) try {
     std::filesystem::create_directories(folder);
     write(folder / "knot.obj", knot(480, 40));
     write(folder / "gem.obj", gem());
+    const Lathe piece = pawn();
+    write(folder / "pawns.gltf", pawnScene(piece));
+    write(folder / "pawns.bin", piece.bytes());
     write(folder / "sky.ppm", ppm(2048, 1024, sky));
     write(folder / "marble.ppm", ppm(1024, 1024, marble));
     return 0;
