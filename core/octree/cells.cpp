@@ -1,8 +1,7 @@
 #include <core/octree/cells.hpp>
 
+#include <core/octree/box.hpp>
 #include <core/parallel/parallel.hpp>
-
-#include <immintrin.h>
 
 #include <algorithm>
 #include <atomic>
@@ -22,22 +21,6 @@ constexpr std::uint32_t kHandful = 256;   // cells that a task takes at a time
 constexpr std::uint32_t kChunk = 16384;   // of references, for parallel passes over one cell
 constexpr int kBalancedDepth = 64;        // from here on cells are cut at the median
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
-
-struct Box {
-    __m128 lower = _mm_set1_ps(kInfinityF32), upper = _mm_set1_ps(-kInfinityF32);
-
-    void add(__m128 l, __m128 u) {
-        lower = _mm_min_ps(lower, l);
-        upper = _mm_max_ps(upper, u);
-    }
-    void add(const Box& b) { add(b.lower, b.upper); }
-    /// Half of the surface; 0 if empty.
-    float area() const {
-        alignas(16) float d[4];
-        _mm_store_ps(d, _mm_sub_ps(upper, lower));
-        return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
-    }
-};
 
 __m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }
 __m128 upperOf(const Reference& r) { return _mm_load_ps(r.upper); }
@@ -424,20 +407,18 @@ private:
 
     /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.
     float leafCost(const Cell& cell) const {
-        constexpr float kBlock = 1, kCustom = 4;
-        if (cell.sharesBlock) return kBlock;
+        if (cell.sharesBlock) return kBlockCost;
         std::uint32_t count[4] = {};
         for (std::uint32_t i = cell.begin; i < cell.end; ++i) ++count[references_[i].kind];
-        float cost = kCustom * static_cast<float>(count[3]);
+        float cost = kCustomCost * static_cast<float>(count[3]);
         for (int kind = 0; kind < 3; ++kind)
-            cost += kBlock * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
+            cost += kBlockCost * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
         return cost;
     }
 
     /// Cheapest way to put the cell's subtree into n slots of a node, for every n [Ylitie, Karras,
     /// Laine 2017], under the surface area heuristic with one node visit as the unit.
     void merge(Cell& cell, float area) const {
-        constexpr float kNode = 1;
         const std::uint32_t size = cell.end - cell.begin;
         const bool leafAllowed = size <= maxObjects_ || !cell.isCut();
         // What does not fit from one side does not fit with the other.
@@ -469,7 +450,7 @@ private:
                 }
             }
         }
-        const float node = spread[kNodeChildren - 1] + area * kNode;
+        const float node = spread[kNodeChildren - 1] + area * kNodeCost;
         cell.cost[0] = std::min(leaf, node);
         cell.split[0] = leaf <= node ? 0 : toBelow[kNodeChildren - 1];
         for (int n = 1; n < kNodeChildren; ++n) {

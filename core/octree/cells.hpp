@@ -25,6 +25,9 @@ struct alignas(32) Reference {
 inline constexpr std::uint32_t kNoCell = 0xFFFFFFFFu;
 inline constexpr int kNodeChildren = 8;
 
+// What the surface area heuristic counts, in visits of a node.
+inline constexpr float kNodeCost = 1, kBlockCost = 1, kCustomCost = 4;
+
 struct Cell {
     float lower[3];
     std::uint32_t begin; // references begin .. end − 1

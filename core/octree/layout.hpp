@@ -1,7 +1,7 @@
 // The bytes of the octree.
 //
 // Node, 256 bytes, 4 cache lines: the tight boxes of up to 8 children as 6 rows of 8 f32, their 8
-// references, 32 spare bytes. The slot of a child is the octant of the node that it is nearest to, so
+// references, 32 bytes for updates. The slot of a child is the octant of the node that it is nearest to, so
 // visiting slots in the order of the ray's signs goes from near to far.
 // Shared block, 512 bytes: up to 16 triangles that share up to 16 corners; corners as 3 rows of 16 f64,
 // triangles as 3 rows of 16 bytes that index them, and ids. Most meshes live in these.
@@ -27,7 +27,15 @@ inline constexpr int kLanes = 8;
 struct alignas(64) Node {
     float planes[6][kLanes]; // [2 · axis + (0 lower, 1 upper)][child]
     std::uint32_t child[kLanes];
-    std::uint32_t spare[kLanes];
+    struct Links {                  // for updates; queries read none of it
+        std::uint32_t parent, slot; // of the root: kEmptyChild, 0
+        std::uint32_t count;        // primitives below
+        float cost;                 // of the subtree, by surface area in octree space
+        std::uint32_t countThen;    // when the subtree was built
+        float costThen;
+        std::uint32_t height; // levels of nodes, itself included
+        std::uint32_t marks;  // of the update under way
+    } links;
 };
 static_assert(sizeof(Node) == 256);
 

@@ -2,10 +2,13 @@
 
 #include <core/geometry/intersect.hpp>
 #include <core/geometry/surface.hpp>
+#include <core/octree/box.hpp>
 #include <core/octree/cells.hpp>
 #include <core/octree/emit.hpp>
 #include <core/octree/kernel.hpp>
+#include <core/octree/leaves.hpp>
 #include <core/octree/references.hpp>
+#include <core/octree/update.hpp>
 #include <core/parallel/parallel.hpp>
 
 #include <algorithm>
@@ -146,35 +149,18 @@ bool closestOfRun(const TreeView& tree, const CustomRun& run, const Ray& ray, do
 
 struct Octree::Impl {
     const Primitives* primitives = nullptr;
+    BuildOptions options;
+    std::vector<geometry::Segment> segments; // of *primitives, which may be gone at an update
     const Kernel* kernel = nullptr;
     Tree tree;
+    UpdateState state;
     TreeView view{};
+
+    void bind(const Primitives& to);
 };
 
-Octree::Octree() = default;
-Octree::~Octree() = default;
-Octree::Octree(Octree&&) noexcept = default;
-Octree& Octree::operator=(Octree&&) noexcept = default;
-
-Octree Octree::build(const Primitives& primitives, const BuildOptions& options) {
-    Octree octree;
-    octree.impl_ = std::make_unique<Impl>();
-    Impl& impl = *octree.impl_;
-    impl.primitives = &primitives;
-    impl.kernel = &kernelOf(options.simd == Simd::best ? chosenLevel() : options.simd);
-    TreeView& view = impl.view;
-    const auto run = [&] {
-        References references = referencesOf(primitives);
-        for (int i = 0; i < 3; ++i) view.center[i] = references.center[i];
-        view.scale = references.scale;
-        const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
-                          references.scale, options);
-        impl.tree = emit(cells, references.unbounded, primitives, options.storage);
-    };
-    // Starting threads costs more than a small tree.
-    constexpr std::uint32_t kWorthThreads = 4096;
-    parallel::withThreads(primitives.count() < kWorthThreads ? 1 : options.threads, run);
-    const Tree& tree = impl.tree;
+void Octree::Impl::bind(const Primitives& to) {
+    primitives = &to;
     view.nodes = tree.nodes.data();
     view.hasSpheres = tree.spheres.size() > 0;
     view.shared = tree.shared.data();
@@ -188,12 +174,77 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     view.runs = tree.runs.data();
     view.customPrimitives = tree.customPrimitives.data();
     view.customIds = tree.customIds.data();
-    view.primitives = &primitives;
+    view.primitives = &to;
     view.unbounded = tree.unbounded;
     view.hasUnbounded = tree.unbounded.triangleBlocks + tree.unbounded.sphereBlocks +
                             tree.unbounded.parallelogramBlocks + tree.unbounded.runCount >
                         0;
+}
+
+Octree::Octree() = default;
+Octree::~Octree() = default;
+Octree::Octree(Octree&&) noexcept = default;
+Octree& Octree::operator=(Octree&&) noexcept = default;
+
+Octree Octree::build(const Primitives& primitives, const BuildOptions& options) {
+    Octree octree;
+    octree.impl_ = std::make_unique<Impl>();
+    Impl& impl = *octree.impl_;
+    impl.options = options;
+    impl.segments = primitives.segments;
+    impl.kernel = &kernelOf(options.simd == Simd::best ? chosenLevel() : options.simd);
+    TreeView& view = impl.view;
+    const auto run = [&] {
+        References references = referencesOf(primitives, options.movable);
+        for (int i = 0; i < 3; ++i) view.center[i] = references.center[i];
+        view.scale = references.scale;
+        const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
+                          references.scale, options);
+        impl.tree = emit(cells, references.unbounded, primitives, options.storage, options.movable);
+    };
+    // Starting threads costs more than a small tree.
+    constexpr std::uint32_t kWorthThreads = 4096;
+    parallel::withThreads(primitives.count() < kWorthThreads ? 1 : options.threads, run);
+    impl.state.nodesThen = static_cast<std::uint32_t>(impl.tree.nodes.size());
+    impl.bind(primitives);
     return octree;
+}
+
+UpdateReport Octree::update(const Primitives& primitives,
+                            std::span<const geometry::PrimitiveId> moved) {
+    if (!impl_) throw std::invalid_argument("an octree that was not built has nothing to update");
+    const auto sameRun = [](const geometry::Segment& a, const geometry::Segment& b) {
+        return a.first == b.first && a.count == b.count && a.kind == b.kind;
+    };
+    if (!std::equal(impl_->segments.begin(), impl_->segments.end(), primitives.segments.begin(),
+                    primitives.segments.end(), sameRun))
+        throw std::invalid_argument("an update may move primitives, not add or remove any");
+    for (const PrimitiveId id : moved)
+        if (static_cast<std::uint32_t>(id) >= primitives.count())
+            throw std::invalid_argument("an update names primitive " +
+                                        std::to_string(static_cast<std::uint32_t>(id)) + " of " +
+                                        std::to_string(primitives.count()));
+    std::unique_ptr<Impl> impl = std::move(impl_);
+    UpdateReport report;
+    report.moved = moved.size();
+    bool followed = false;
+    if (impl->options.movable)
+        parallel::withThreads(impl->options.threads, [&] {
+            followed = octree::update(impl->tree, impl->state, impl->view.center, impl->view.scale,
+                                      primitives, impl->options, moved, report);
+        });
+    if (followed) {
+        impl->bind(primitives);
+        impl_ = std::move(impl);
+    } else {
+        const BuildOptions options = impl->options;
+        impl.reset();
+        *this = build(primitives, options);
+        report.entered = 0;
+        report.rebuilt = primitives.count();
+        report.whole = true;
+    }
+    return report;
 }
 
 Hit Octree::closest(const Ray& ray, Visits* visits) const {
@@ -256,68 +307,42 @@ Statistics Octree::statistics() const {
     Statistics s;
     if (!impl_) return s;
     const Tree& tree = impl_->tree;
-    s.nodes = tree.nodes.size();
-    s.blocks = tree.shared.size() + tree.triangles.size() + tree.narrowShared.size() +
-               tree.narrowTriangles.size() + tree.spheres.size() + tree.parallelograms.size();
-    s.bytes = tree.nodes.bytes() + tree.shared.bytes() + tree.triangles.bytes() +
-              tree.narrowShared.bytes() + tree.narrowTriangles.bytes() + tree.narrowIds.bytes() +
-              tree.spheres.bytes() + tree.parallelograms.bytes() + tree.records.bytes() +
-              tree.runs.bytes() + tree.customPrimitives.bytes() + tree.customIds.bytes();
-    const auto inUse = [](const std::uint32_t* id) {
-        std::size_t n = 0;
-        while (n < kLanes && id[n] != kEmptyChild) ++n;
-        return n;
-    };
+    s.nodes = tree.nodes.size() - impl_->state.free[kNodes].size();
+    for (const Part part :
+         {kShared, kTriangles, kNarrowShared, kNarrowTriangles, kSpheres, kParallelograms})
+        s.blocks += tree.extent().of[part] - impl_->state.free[part].size();
+    s.bytes = tree.bytes();
     struct Visit {
         std::uint32_t reference, depth;
     };
     std::vector<Visit> stack;
-    if (tree.nodes.size() > 0) stack.push_back({0, 1});
+    std::vector<std::uint32_t> ids;
+    double rootArea = 0;
+    if (tree.nodes.size() > 0) {
+        stack.push_back({0, 1});
+        rootArea = boxOf(tree.nodes[0]).area();
+        s.cost = kNodeCost;
+    }
     while (!stack.empty()) {
         const auto [reference, depth] = stack.back();
         stack.pop_back();
         if (!(reference & kLeaf)) {
             s.depth = std::max(s.depth, depth);
-            for (const std::uint32_t child : tree.nodes[reference].child)
-                if (child != kEmptyChild) stack.push_back({child, depth + 1});
+            const Node& node = tree.nodes[reference];
+            for (int slot = 0; slot < kLanes; ++slot) {
+                const std::uint32_t child = node.child[slot];
+                if (child == kEmptyChild) continue;
+                stack.push_back({child, depth + 1});
+                const float visit = child & kLeaf ? costOfLeaf(tree, child) : kNodeCost;
+                if (rootArea > 0) s.cost += visit * boxOf(node, slot).area() / rootArea;
+            }
             continue;
         }
-        const std::uint32_t index = reference & kLeafIndex;
-        std::size_t count = 0;
-        switch (reference >> kLeafKindShift & 7) {
-        case kSharedLeaf:
-            count = static_cast<std::size_t>(__builtin_popcount(tree.shared[index].valid));
-            break;
-        case kNarrowSharedLeaf:
-            count = static_cast<std::size_t>(__builtin_popcount(tree.narrowShared[index].valid));
-            break;
-        case kNarrowTriangleLeaf:
-            count = inUse(tree.narrowTriangles[index].id);
-            break;
-        case kTriangleLeaf:
-            count = inUse(tree.triangles[index].id);
-            break;
-        case kSphereLeaf:
-            count = inUse(tree.spheres[index].id);
-            break;
-        case kParallelogramLeaf:
-            count = inUse(tree.parallelograms[index].id);
-            break;
-        default: {
-            const LeafRecord& leaf = tree.records[index];
-            for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
-                count += inUse(tree.triangles[leaf.triangles + i].id);
-            for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
-                count += inUse(tree.spheres[leaf.spheres + i].id);
-            for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
-                count += inUse(tree.parallelograms[leaf.parallelograms + i].id);
-            for (std::uint32_t i = 0; i < leaf.runCount; ++i)
-                count += tree.runs[leaf.runs + i].count;
-        }
-        }
+        ids.clear();
+        idsOfLeaf(tree, reference, ids);
         ++s.leaves;
-        if (s.leafHistogram.size() <= count) s.leafHistogram.resize(count + 1);
-        ++s.leafHistogram[count];
+        if (s.leafHistogram.size() <= ids.size()) s.leafHistogram.resize(ids.size() + 1);
+        ++s.leafHistogram[ids.size()];
     }
     return s;
 }

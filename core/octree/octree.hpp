@@ -29,11 +29,14 @@ struct BuildOptions {
     double minSize = 0; // cells with all sides <= this are not cut, world units; 0: no limit
     Storage storage = Storage::narrowest;
     int threads = 0;        // 0: all that the process may use
+    bool movable = false;   // keeps what update() needs, 4 bytes a primitive; else it builds anew
     Simd simd = Simd::best; // best: what RT_SIMD asks for, or else the widest that this CPU has
 };
 
 struct Statistics {
     std::uint64_t nodes = 0, leaves = 0, blocks = 0, bytes = 0;
+    double cost =
+        0; // node visits and blocks tested per line through the root's box, by surface area
     std::uint32_t depth = 0;
     std::vector<std::uint64_t> leafHistogram; // [n]: leaves with n primitives
 };
@@ -53,7 +56,16 @@ struct Visits {
     std::uint64_t nodes = 0, triangles = 0, spheres = 0, parallelograms = 0, customs = 0;
 };
 
-/// Immutable after build; queries are const and thread-safe. Results depend on the primitives alone: smallest t,
+/// What an update did; in primitives.
+struct UpdateReport {
+    std::uint64_t moved = 0; // that were named
+    std::uint64_t entered =
+        0; // that left their place in the tree for another, subtrees with all they hold
+    std::uint64_t rebuilt = 0; // in parts of the tree, or the whole, that were built anew
+    bool whole = false;        // everything was built anew
+};
+
+/// Immutable after build but for update(); queries are const and thread-safe. Results depend on the primitives alone: smallest t,
 /// equal t by lowest id, whatever the tree looks like.
 class Octree {
 public:
@@ -64,6 +76,17 @@ public:
 
     /// Keeps a reference to `primitives`, which must outlive the tree.
     static Octree build(const Primitives& primitives, const BuildOptions& options = {});
+
+    /// Makes this the tree of `primitives`, to which a reference is kept instead, as build() does; answers
+    /// are those of a fresh build, bit for bit. `moved`: every id whose geometry is not what it was, in
+    /// any order; more of them do no harm. Segments must be the same as before; other ids are
+    /// std::invalid_argument.
+    ///
+    /// For frames of a film or a viewer: build once with `movable`, then update between frames; no query
+    /// may run meanwhile. Primitives that moved together keep their common subtree, others leave and enter;
+    /// parts whose cost has drifted are built anew, and everything when most primitives have moved apart or
+    /// one is outside of the tree's space. After an exception the tree is empty.
+    UpdateReport update(const Primitives& primitives, std::span<const geometry::PrimitiveId> moved);
 
     /// Nearest hit in (0, ray.tMax).
     Hit closest(const Ray& ray, Visits* visits = nullptr) const;

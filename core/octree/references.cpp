@@ -75,9 +75,19 @@ float upperInOctreeSpace(double x, double center, double scale) {
     return -lowerInOctreeSpace(-x, -center, scale);
 }
 
+void fill(Reference& reference, std::uint32_t id, Kind kind, const Box3d& box,
+          const double center[3], double scale) {
+    for (int i = 0; i < 3; ++i) {
+        reference.lower[i] = lowerInOctreeSpace(box.min[i], center[i], scale);
+        reference.upper[i] = upperInOctreeSpace(box.max[i], center[i], scale);
+    }
+    reference.id = id;
+    reference.kind = static_cast<std::uint32_t>(kind);
+}
+
 } // namespace
 
-References referencesOf(const Primitives& primitives) {
+References referencesOf(const Primitives& primitives, bool movable) {
     References result;
     const std::uint32_t count = primitives.count();
     const std::size_t chunks = (count + kChunk - 1) / kChunk;
@@ -130,7 +140,8 @@ References referencesOf(const Primitives& primitives) {
         return result;
     }
     for (int i = 0; i < 3; ++i) result.center[i] = center[i];
-    if (half > numeric::powerOfTwo(-1000)) result.scale = std::ldexp(1.0, -(std::ilogb(half) + 1));
+    if (half > numeric::powerOfTwo(-1000))
+        result.scale = std::ldexp(1.0, -(std::ilogb(half) + (movable ? 2 : 1)));
     result.bounded.reset(new Reference[result.boundedCount]);
     std::uint32_t at = 0;
     std::vector<std::uint32_t> start(chunks);
@@ -142,16 +153,24 @@ References referencesOf(const Primitives& primitives) {
         Reference* out = result.bounded.get() + start[chunk];
         overChunk(chunk, [&](std::uint32_t id, Kind kind, std::uint32_t index, const Box3d& box) {
             if (!isBounded(primitives, kind, index, box)) return;
-            for (int i = 0; i < 3; ++i) {
-                out->lower[i] = lowerInOctreeSpace(box.min[i], center[i], result.scale);
-                out->upper[i] = upperInOctreeSpace(box.max[i], center[i], result.scale);
-            }
-            out->id = id;
-            out->kind = static_cast<std::uint32_t>(kind);
-            ++out;
+            fill(*out++, id, kind, box, result.center, result.scale);
         });
     });
     return result;
+}
+
+bool referenceOf(const Primitives& primitives, std::uint32_t id, const double center[3],
+                 double scale, Reference& reference) {
+    const auto& segments = primitives.segments;
+    const auto& segment =
+        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
+    const std::uint32_t index = segment.index + id - static_cast<std::uint32_t>(segment.first);
+    const Box3d box = boundsOf(primitives, segment.kind, index);
+    if (!isBounded(primitives, segment.kind, index, box)) return false;
+    fill(reference, id, segment.kind, box, center, scale);
+    for (int i = 0; i < 3; ++i)
+        if (!(reference.lower[i] >= -1 && reference.upper[i] <= 1)) return false;
+    return true;
 }
 
 } // namespace rt::octree

@@ -15,6 +15,11 @@ struct References {
     double scale = 1;                 // octree units per world unit, a power of two
 };
 
-References referencesOf(const geometry::Primitives& primitives);
+/// `movable`: with room for primitives to move outward, as far again as they reach now.
+References referencesOf(const geometry::Primitives& primitives, bool movable = false);
+
+/// One of them, in a space that is there already. False if it has no finite bounds or leaves the space.
+bool referenceOf(const geometry::Primitives& primitives, std::uint32_t id, const double center[3],
+                 double scale, Reference& reference);
 
 } // namespace rt::octree

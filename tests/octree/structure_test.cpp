@@ -3,6 +3,7 @@
 
 #include <core/octree/cells.hpp>
 #include <core/octree/emit.hpp>
+#include <core/octree/leaves.hpp>
 #include <core/octree/references.hpp>
 #include <core/parallel/parallel.hpp>
 
@@ -117,48 +118,9 @@ protected:
         for (int s = 0; s < 8; ++s) ASSERT_TRUE((used >> s & 1) || bytes.child[s] == kEmptyChild);
     }
 
-    static void addIds(std::vector<std::uint32_t>& out, const std::uint32_t* ids, int lanes) {
-        for (int i = 0; i < lanes; ++i)
-            if (ids[i] != kEmptyChild) out.push_back(ids[i]);
-    }
-
     bool holds(std::uint32_t reference, const Cell& cell) {
-        const std::uint32_t index = reference & octree::kLeafIndex;
         std::vector<std::uint32_t> in, expected;
-        switch (reference >> octree::kLeafKindShift & 7) {
-        case octree::kSharedLeaf:
-            addIds(in, tree_.shared[index].id, 16);
-            break;
-        case octree::kNarrowSharedLeaf: {
-            const octree::NarrowSharedBlock& block = tree_.narrowShared[index];
-            addIds(in, tree_.narrowIds.data() + block.ids, std::popcount(block.valid));
-            break;
-        }
-        case octree::kNarrowTriangleLeaf:
-            addIds(in, tree_.narrowTriangles[index].id, 8);
-            break;
-        case octree::kTriangleLeaf:
-            addIds(in, tree_.triangles[index].id, 8);
-            break;
-        case octree::kSphereLeaf:
-            addIds(in, tree_.spheres[index].id, 8);
-            break;
-        case octree::kParallelogramLeaf:
-            addIds(in, tree_.parallelograms[index].id, 8);
-            break;
-        default: {
-            const octree::LeafRecord& leaf = tree_.records[index];
-            for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
-                addIds(in, tree_.triangles[leaf.triangles + i].id, 8);
-            for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
-                addIds(in, tree_.spheres[leaf.spheres + i].id, 8);
-            for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
-                addIds(in, tree_.parallelograms[leaf.parallelograms + i].id, 8);
-            for (std::uint32_t i = 0; i < leaf.runCount; ++i)
-                for (std::uint32_t k = 0; k < tree_.runs[leaf.runs + i].count; ++k)
-                    in.push_back(tree_.customIds[tree_.runs[leaf.runs + i].first + k]);
-        }
-        }
+        octree::idsOfLeaf(tree_, reference, in);
         for (std::uint32_t i = cell.begin; i < cell.end; ++i)
             expected.push_back(cells_->references()[i].id);
         std::sort(in.begin(), in.end());

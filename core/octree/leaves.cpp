@@ -1,0 +1,319 @@
+#include <core/octree/leaves.hpp>
+
+#include <core/geometry/intersect.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+
+namespace rt::octree {
+namespace {
+
+using geometry::Kind;
+using geometry::PrimitiveId;
+using geometry::Primitives;
+using geometry::Vec3;
+
+constexpr double kUnused = std::numeric_limits<double>::quiet_NaN();
+
+std::uint32_t blocksFor(std::size_t count) {
+    return static_cast<std::uint32_t>((count + kLanes - 1) / kLanes);
+}
+
+bool sameKind(const Reference* first, std::uint32_t count) {
+    if (first->kind == static_cast<std::uint32_t>(Kind::custom)) return false;
+    for (std::uint32_t i = 1; i < count; ++i)
+        if (first[i].kind != first->kind) return false;
+    return true;
+}
+
+std::uint32_t leafReference(LeafKind kind, std::uint32_t index) {
+    return kLeaf | static_cast<std::uint32_t>(kind) << kLeafKindShift | index;
+}
+
+void clearSpare(TriangleBlock& block) {
+    for (auto& word : block.spare) word = 0;
+}
+void clearSpare(NarrowTriangleBlock&) {}
+
+} // namespace
+
+void LeafContents::fill(const Reference* first, std::uint32_t count, const Primitives& primitives) {
+    for (auto& list : ids) list.clear();
+    customs.clear();
+    for (const Reference* r = first; r != first + count; ++r) {
+        if (r->kind != static_cast<std::uint32_t>(Kind::custom)) {
+            ids[r->kind].push_back(r->id);
+            continue;
+        }
+        const auto& custom = primitives.customs.primitives[indexInKind(primitives, r->id)];
+        customs.push_back({custom.shape, custom.primitive, r->id});
+    }
+    for (auto& list : ids) std::sort(list.begin(), list.end());
+    std::sort(customs.begin(), customs.end(), [](const Custom& a, const Custom& b) {
+        return a.shape != b.shape ? a.shape < b.shape : a.id < b.id;
+    });
+}
+
+Extent LeafContents::extent() const {
+    Extent e;
+    e.of[kTriangles] = blocksFor(ids[0].size());
+    e.of[kSpheres] = blocksFor(ids[1].size());
+    e.of[kParallelograms] = blocksFor(ids[2].size());
+    e.of[kCustoms] = static_cast<std::uint32_t>(customs.size());
+    for (std::size_t i = 0; i < customs.size(); ++i)
+        e.of[kRuns] += i == 0 || customs[i].shape != customs[i - 1].shape;
+    e.of[kRecords] = 1;
+    return e;
+}
+
+/// Does f32 hold all corners of these triangles exactly?
+bool LeafWriter::isNarrow(const Reference* first, std::uint32_t count) const {
+    if (storage_ == Storage::f64) return false;
+    const auto& triangles = primitives_.triangles;
+    for (std::uint32_t i = 0; i < count; ++i)
+        for (const std::uint32_t corner : triangles.indices[indexOf(first[i].id)])
+            if (!numeric::fitsF32(triangles.positions[corner])) return false;
+    return true;
+}
+
+Extent LeafWriter::measure(const Reference* first, std::uint32_t count, bool shares,
+                           LeafContents& scratch) const {
+    Extent e;
+    if (shares) {
+        if (isNarrow(first, count)) {
+            e.of[kNarrowShared] = 1;
+            e.of[kNarrowIds] = count;
+        } else {
+            e.of[kShared] = 1;
+        }
+    } else if (count <= kLanes && sameKind(first, count)) {
+        switch (static_cast<Kind>(first->kind)) {
+        case Kind::triangle:
+            e.of[isNarrow(first, count) ? kNarrowTriangles : kTriangles] = 1;
+            break;
+        case Kind::sphere:
+            e.of[kSpheres] = 1;
+            break;
+        default:
+            e.of[kParallelograms] = 1;
+        }
+    } else {
+        scratch.fill(first, count, primitives_);
+        e = scratch.extent();
+    }
+    return e;
+}
+
+std::uint32_t LeafWriter::write(Tree& tree, Places& places, const Reference* first,
+                                std::uint32_t count, bool shares, LeafContents& scratch) const {
+    if (shares) {
+        if (isNarrow(first, count)) {
+            const std::uint32_t at = places.take(kNarrowShared),
+                                idsAt = places.take(kNarrowIds, count);
+            NarrowSharedBlock& block = tree.narrowShared[at];
+            fillShared(block, tree.narrowIds.data() + idsAt, count, first, count);
+            block.ids = idsAt;
+            return leafReference(kNarrowSharedLeaf, at);
+        }
+        const std::uint32_t at = places.take(kShared);
+        fillShared(tree.shared[at], tree.shared[at].id, kSharedLanes, first, count);
+        return leafReference(kSharedLeaf, at);
+    }
+    if (count <= kLanes && sameKind(first, count)) {
+        std::uint32_t ids[kLanes];
+        for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
+        std::sort(ids, ids + count);
+        const auto kind = static_cast<Kind>(first->kind);
+        if (kind == Kind::triangle && isNarrow(first, count)) {
+            const std::uint32_t at = places.take(kNarrowTriangles);
+            fillTriangles(tree.narrowTriangles[at], ids, count);
+            return leafReference(kNarrowTriangleLeaf, at);
+        }
+        if (kind == Kind::triangle) {
+            const std::uint32_t at = places.take(kTriangles);
+            fillTriangles(tree.triangles[at], ids, count);
+            return leafReference(kTriangleLeaf, at);
+        }
+        if (kind == Kind::sphere) {
+            const std::uint32_t at = places.take(kSpheres);
+            fillSpheres(tree.spheres[at], ids, count);
+            return leafReference(kSphereLeaf, at);
+        }
+        const std::uint32_t at = places.take(kParallelograms);
+        fillParallelograms(tree.parallelograms[at], ids, count);
+        return leafReference(kParallelogramLeaf, at);
+    }
+    scratch.fill(first, count, primitives_);
+    const std::uint32_t at = places.take(kRecords);
+    tree.records[at] = writeRecord(tree, places, scratch);
+    return leafReference(kMixedLeaf, at);
+}
+
+LeafRecord LeafWriter::writeRecord(Tree& tree, Places& places, const LeafContents& contents) const {
+    const Extent extent = contents.extent();
+    LeafRecord record{};
+    const auto eachBlock = [](const std::vector<std::uint32_t>& ids, const auto& fill) {
+        for (std::size_t i = 0; i < ids.size(); i += kLanes)
+            fill(static_cast<std::uint32_t>(i / kLanes), ids.data() + i,
+                 static_cast<std::uint32_t>(std::min<std::size_t>(kLanes, ids.size() - i)));
+    };
+    using Ids = const std::uint32_t*;
+    record.triangleBlocks = extent.of[kTriangles];
+    record.triangles = places.take(kTriangles, record.triangleBlocks);
+    eachBlock(contents.ids[0], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
+        fillTriangles(tree.triangles[record.triangles + block], ids, n);
+    });
+    record.sphereBlocks = extent.of[kSpheres];
+    record.spheres = places.take(kSpheres, record.sphereBlocks);
+    eachBlock(contents.ids[1], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
+        fillSpheres(tree.spheres[record.spheres + block], ids, n);
+    });
+    record.parallelogramBlocks = extent.of[kParallelograms];
+    record.parallelograms = places.take(kParallelograms, record.parallelogramBlocks);
+    eachBlock(contents.ids[2], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
+        fillParallelograms(tree.parallelograms[record.parallelograms + block], ids, n);
+    });
+    record.runCount = extent.of[kRuns];
+    record.runs = places.take(kRuns, record.runCount);
+    std::uint32_t run = record.runs, at = places.take(kCustoms, extent.of[kCustoms]);
+    for (std::size_t i = 0; i < contents.customs.size(); ++i) {
+        const auto& custom = contents.customs[i];
+        if (i == 0 || custom.shape != contents.customs[i - 1].shape)
+            tree.runs[run++] = {custom.shape, at, 0};
+        ++tree.runs[run - 1].count;
+        tree.customPrimitives[at] = custom.primitive;
+        tree.customIds[at++] = custom.id;
+    }
+    return record;
+}
+
+/// `id`: room for `idLanes` ids; those beyond `count` are marked as unused.
+template <class Block>
+void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes,
+                            const Reference* first, std::uint32_t count) const {
+    using Float = std::remove_reference_t<decltype(block.corner[0][0])>;
+    std::uint32_t ids[kSharedLanes];
+    for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
+    std::sort(ids, ids + count);
+    for (std::uint32_t i = 0; i < idLanes; ++i) id[i] = i < count ? ids[i] : kEmptyChild;
+    CornerSet corners;
+    block.valid = (1u << count) - 1;
+    for (auto& word : block.spare) word = 0;
+    for (std::uint32_t lane = 0; lane < kSharedLanes; ++lane)
+        for (std::size_t c = 0; c < 3; ++c)
+            block.index[c][lane] = lane < count
+                                       ? static_cast<std::uint8_t>(corners.add(
+                                             primitives_.triangles.indices[indexOf(ids[lane])][c]))
+                                       : std::uint8_t{0};
+    for (int i = 0; i < kSharedLanes; ++i) {
+        // Unused corners repeat the first: lanes must not meet NaN where none is needed.
+        const Vec3& p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
+        for (int a = 0; a < 3; ++a) block.corner[a][i] = static_cast<Float>(p[a]);
+    }
+}
+
+template <class Block>
+void LeafWriter::fillTriangles(Block& block, const std::uint32_t* ids, std::uint32_t count) const {
+    using Float = std::remove_reference_t<decltype(block.corner[0][0][0])>;
+    const auto& triangles = primitives_.triangles;
+    clearSpare(block);
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+        if (lane < count) {
+            const auto& corners = triangles.indices[indexOf(ids[lane])];
+            for (std::size_t c = 0; c < 3; ++c)
+                for (int a = 0; a < 3; ++a)
+                    block.corner[c][a][lane] =
+                        static_cast<Float>(triangles.positions[corners[c]][a]);
+        } else {
+            for (auto& corner : block.corner)
+                for (auto& row : corner) row[lane] = std::numeric_limits<Float>::quiet_NaN();
+        }
+    }
+}
+
+void LeafWriter::fillSpheres(SphereBlock& block, const std::uint32_t* ids,
+                             std::uint32_t count) const {
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+        block.spare[lane] = 0;
+        const geometry::Sphere sphere = lane < count ? primitives_.spheres[indexOf(ids[lane])]
+                                                     : geometry::Sphere{Vec3(kUnused), kUnused};
+        block.center[0][lane] = sphere.center.x;
+        block.center[1][lane] = sphere.center.y;
+        block.center[2][lane] = sphere.center.z;
+        block.radius[lane] = sphere.radius;
+    }
+}
+
+void LeafWriter::fillParallelograms(ParallelogramBlock& block, const std::uint32_t* ids,
+                                    std::uint32_t count) const {
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+        block.spare[lane] = 0;
+        std::array<Vec3, 4> corners;
+        corners.fill(Vec3(kUnused));
+        if (lane < count)
+            corners = geometry::cornersOf(primitives_.parallelograms[indexOf(ids[lane])]);
+        for (std::size_t c = 0; c < 4; ++c) {
+            block.corner[c][0][lane] = corners[c].x;
+            block.corner[c][1][lane] = corners[c].y;
+            block.corner[c][2][lane] = corners[c].z;
+        }
+    }
+}
+
+namespace {
+
+void addIds(const std::uint32_t* id, int lanes, std::vector<std::uint32_t>& ids) {
+    for (int i = 0; i < lanes && id[i] != kEmptyChild; ++i) ids.push_back(id[i]);
+}
+
+} // namespace
+
+void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        return addIds(tree.shared[index].id, kSharedLanes, ids);
+    case kNarrowSharedLeaf: {
+        const NarrowSharedBlock& block = tree.narrowShared[index];
+        return addIds(tree.narrowIds.data() + block.ids, __builtin_popcount(block.valid), ids);
+    }
+    case kTriangleLeaf:
+        return addIds(tree.triangles[index].id, kLanes, ids);
+    case kNarrowTriangleLeaf:
+        return addIds(tree.narrowTriangles[index].id, kLanes, ids);
+    case kSphereLeaf:
+        return addIds(tree.spheres[index].id, kLanes, ids);
+    case kParallelogramLeaf:
+        return addIds(tree.parallelograms[index].id, kLanes, ids);
+    default: {
+        const LeafRecord& leaf = tree.records[index];
+        for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
+            addIds(tree.triangles[leaf.triangles + i].id, kLanes, ids);
+        for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
+            addIds(tree.spheres[leaf.spheres + i].id, kLanes, ids);
+        for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
+            addIds(tree.parallelograms[leaf.parallelograms + i].id, kLanes, ids);
+        for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
+            const CustomRun& run = tree.runs[leaf.runs + i];
+            ids.insert(ids.end(), tree.customIds.data() + run.first,
+                       tree.customIds.data() + run.first + run.count);
+        }
+    }
+    }
+}
+
+float costOfLeaf(const Tree& tree, std::uint32_t reference) {
+    if ((reference >> kLeafKindShift & 7) != kMixedLeaf) return kBlockCost;
+    const LeafRecord& leaf = tree.records[reference & kLeafIndex];
+    float cost = kBlockCost * static_cast<float>(leaf.triangleBlocks + leaf.sphereBlocks +
+                                                 leaf.parallelogramBlocks);
+    for (std::uint32_t i = 0; i < leaf.runCount; ++i)
+        cost += kCustomCost * static_cast<float>(tree.runs[leaf.runs + i].count);
+    return cost;
+}
+
+} // namespace rt::octree

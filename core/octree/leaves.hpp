@@ -1,0 +1,58 @@
+// Blocks and records of leaves: from primitives to bytes, and back to their ids.
+#pragma once
+#include <core/octree/cells.hpp>
+#include <core/octree/tree.hpp>
+
+#include <vector>
+
+namespace rt::octree {
+
+/// A leaf's primitives, by kind and within a kind by id; customs by shape.
+struct LeafContents {
+    std::vector<std::uint32_t> ids[3];
+    struct Custom {
+        std::uint32_t shape, primitive, id;
+    };
+    std::vector<Custom> customs;
+
+    void fill(const Reference* first, std::uint32_t count, const geometry::Primitives& primitives);
+    /// Of the record and what belongs to it.
+    Extent extent() const;
+};
+
+class LeafWriter {
+public:
+    LeafWriter(const geometry::Primitives& primitives, Storage storage)
+        : primitives_(primitives), storage_(storage) {}
+
+    /// What write() takes. `shares`: sharesBlock() of these.
+    Extent measure(const Reference* first, std::uint32_t count, bool shares,
+                   LeafContents& scratch) const;
+    /// Stores a leaf; returns the reference to it.
+    std::uint32_t write(Tree& tree, Places& places, const Reference* first, std::uint32_t count,
+                        bool shares, LeafContents& scratch) const;
+    LeafRecord writeRecord(Tree& tree, Places& places, const LeafContents& contents) const;
+
+private:
+    bool isNarrow(const Reference* first, std::uint32_t count) const;
+    template <class Block>
+    void fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes, const Reference* first,
+                    std::uint32_t count) const;
+    template <class Block>
+    void fillTriangles(Block& block, const std::uint32_t* ids, std::uint32_t count) const;
+    void fillSpheres(SphereBlock& block, const std::uint32_t* ids, std::uint32_t count) const;
+    void fillParallelograms(ParallelogramBlock& block, const std::uint32_t* ids,
+                            std::uint32_t count) const;
+    std::uint32_t indexOf(std::uint32_t id) const { return indexInKind(primitives_, id); }
+
+    const geometry::Primitives& primitives_;
+    const Storage storage_;
+};
+
+/// Appends the ids of a leaf's primitives.
+void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids);
+
+/// Cost of testing a leaf once, in node visits.
+float costOfLeaf(const Tree& tree, std::uint32_t reference);
+
+} // namespace rt::octree
