@@ -27,14 +27,6 @@ protected:
         }
         return examples;
     }
-    /// Standard output of a shell in the folder, with `rt` on its path.
-    Outcome shell(const std::string& line) const {
-        RunOptions options;
-        options.program = "/bin/bash";
-        options.environment = {"PATH=" + std::filesystem::path(RT_BINARY).parent_path().string() +
-                               ":/usr/bin:/bin"};
-        return run({"-c", line}, options);
-    }
 };
 
 } // namespace

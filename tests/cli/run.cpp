@@ -121,6 +121,12 @@ std::vector<std::string> Cli::files() const {
     return names;
 }
 
+Outcome Cli::shell(const std::string& script) const {
+    const std::string folder = std::filesystem::path(RT_BINARY).parent_path().string();
+    return run({"-c", script},
+               {.environment = {"PATH=" + folder + ":/usr/bin:/bin"}, .program = "/bin/bash"});
+}
+
 Outcome Cli::rt(const std::string& arguments, const RunOptions& options) const {
     return run(words(arguments), options);
 }

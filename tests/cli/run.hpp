@@ -35,6 +35,8 @@ protected:
     Outcome run(const std::vector<std::string>& arguments, const RunOptions& options = {}) const;
     /// Words separated by blanks; no quoting.
     Outcome rt(const std::string& arguments, const RunOptions& options = {}) const;
+    /// A script of bash that finds `rt` in its PATH.
+    Outcome shell(const std::string& script) const;
 
     void write(const std::string& name, const std::string& text) const;
     std::string read(const std::string& name) const;
