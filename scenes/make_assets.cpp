@@ -116,6 +116,40 @@ std::string gem() {
     return obj.text() + table + '\n';
 }
 
+/// A snail's shell: a tube that grows by the same factor with every turn, apex at the top; 1.9 high. Its normals are those of
+/// the surface; u runs once along each turn, v round the tube.
+std::string shell(std::uint32_t along, std::uint32_t around) {
+    constexpr double kTurns = 6, kGrowth = 0.125; // per radian
+    const auto surface = [](double turn, double v) {
+        const double size = rt::numeric::exp(kGrowth * kTau * (turn - kTurns));
+        const double ribs = 1 + 0.035 * rt::numeric::cos(12 * kTau * turn);
+        const double away = 0.5 + 0.46 * ribs * rt::numeric::cos(v);
+        return size * (onCircle(kTau * turn) * away +
+                       Vec3(0, 0, -1.15 + 0.5 * ribs * rt::numeric::sin(v))) +
+               Vec3(0, 0, 1.65);
+    };
+    ObjText obj;
+    obj.comment("snail's shell, " + std::to_string(along * around) +
+                " quads; made by scenes/make_assets.cpp");
+    for (std::uint32_t i = 0; i <= along; ++i)
+        for (std::uint32_t k = 0; k <= around; ++k) {
+            const double turn = kTurns * i / along, v = kTau * k / around, h = 1.0 / 4096;
+            const Vec3 p = surface(turn, v);
+            const Vec3 normal = rt::numeric::normalize(
+                rt::numeric::cross(surface(turn + h, v) - surface(turn - h, v),
+                                   surface(turn, v + h) - surface(turn, v - h)));
+            obj.line("v", {p.x, p.y, p.z});
+            obj.line("vn", {normal.x, normal.y, normal.z});
+            obj.line("vt", {turn, double(k) / around});
+        }
+    const std::uint32_t row = around + 1;
+    for (std::uint32_t i = 0; i < along; ++i)
+        for (std::uint32_t k = 0; k < around; ++k)
+            obj.face({i * row + k, (i + 1) * row + k, (i + 1) * row + k + 1, i * row + k + 1},
+                     "#/#/#");
+    return obj.text();
+}
+
 /// Vertices and triangles for a glTF file: f32 positions and normals, u16 indices.
 class Lathe {
 public:
@@ -310,6 +344,16 @@ Vec3 marble(double u, double v) {
                sharp);
 }
 
+/// Brown bands and growth lines for the shell; u along a turn, v round the tube.
+Vec3 shellColor(double u, double v) {
+    const double wave = 0.06 * smoothNoise(u * 16, v * 4, 16);
+    const double bands = step(0.35, 0.75, 0.5 + 0.5 * rt::numeric::sin(kTau * (5 * (v + wave))));
+    const double growth = fractalNoise(u * 48, v * 3, 48, 4);
+    const Vec3 cream{0.96, 0.90, 0.80}, brown{0.56, 0.31, 0.17};
+    return mix(mix(cream, brown, 0.85 * bands), Vec3(0.93, 0.78, 0.66),
+               0.7 * step(0.55, 0.8, growth));
+}
+
 void write(const std::filesystem::path& path, const std::string& bytes) {
     std::ofstream file(path, std::ios::binary);
     file << bytes;
@@ -323,12 +367,15 @@ int main(int argc, char** argv) try {
     const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder);
     write(folder / "knot.obj", knot(480, 40));
+    write(folder / "coarse_knot.obj", knot(36, 7));
     write(folder / "gem.obj", gem());
+    write(folder / "shell.obj", shell(720, 40));
     const Lathe piece = pawn();
     write(folder / "pawns.gltf", pawnScene(piece));
     write(folder / "pawns.bin", piece.bytes());
     write(folder / "sky.ppm", ppm(2048, 1024, sky));
     write(folder / "marble.ppm", ppm(1024, 1024, marble));
+    write(folder / "shell.ppm", ppm(512, 512, shellColor));
     return 0;
 } catch (const std::exception& error) {
     return std::fprintf(stderr, "make_assets: %s\n", error.what()), 6;

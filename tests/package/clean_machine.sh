@@ -8,6 +8,8 @@ mirror=$(apt-get indextargets --format '$(SITE)' 2>/dev/null | grep -m1 -v secur
 [[ -e $root/etc/debian_version ]] || debootstrap --variant=minbase bookworm "$root" "$mirror" >/dev/null
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 cp -n /etc/apt/apt.conf.d/*registry* "$root/etc/apt/apt.conf.d/" 2>/dev/null || true # a mirror's own settings
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+trap 'umount "$root/proc"' EXIT
 cp "$package" "$root/tmp/rt.deb"
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
 list() { inside find /usr /etc -xdev ! -type d | sort; }

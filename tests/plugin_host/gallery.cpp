@@ -1,5 +1,6 @@
-// Every shipped plugin has a scene in scenes/plugins, and its picture is the one beside it, byte for byte.
-// RT_WRITE_REFERENCES=1 writes the pictures instead.
+// Every shipped plugin has a scene in scenes/plugins, and its picture is the one beside it, byte for byte; so is a piece of
+// every scene of the gallery. RT_WRITE_REFERENCES=1 writes the pictures of the plugins instead; `./dev gallery` those of the
+// gallery.
 #include <core/image/metrics.hpp>
 #include <core/octree/octree.hpp>
 #include <core/plugin_host/lower.hpp>
@@ -8,6 +9,8 @@
 #include <formats/image_reader.hpp>
 #include <formats/image_writer.hpp>
 #include <formats/yaml_reader.hpp>
+
+#include <tests/plugin_host/temporary_folder.hpp>
 
 #include <gtest/gtest.h>
 
@@ -35,7 +38,14 @@ std::vector<std::string> shippedTypes() {
     return names;
 }
 
-std::vector<std::byte> renderToPng(const fs::path& file) {
+struct Rendered {
+    image::Framebuffer frame;
+    std::array<std::uint32_t, 4> drawn; // x0, y0, x1, y1
+    formats::Encoding encoding;
+};
+
+/// The whole picture, or its middle where a pixel does not depend on the rest of the picture.
+std::optional<Rendered> render(const fs::path& file, bool middle) {
     Catalog catalog({RT_SHIPPED_PLUGINS});
     scene::Diagnostics diagnostics;
     const auto nodes = formats::readYaml(file.string(), diagnostics);
@@ -44,9 +54,27 @@ std::vector<std::byte> renderToPng(const fs::path& file) {
     EXPECT_EQ(textOf(diagnostics), "");
     if (!world) return {};
     const auto octree = octree::Octree::build(world->primitives);
-    const trace::Result result = trace::render(octree, *world, *description, {});
+    const std::uint32_t width = description->image.width, height = description->image.height;
+    std::array<std::uint32_t, 4> drawn{0, 0, width, height};
+    trace::Options options;
+    if (middle && !std::holds_alternative<scene::AntialiasMaxError>(description->render.antialias))
+        options.crop = drawn = {width * 3 / 8, height * 3 / 8, width * 5 / 8, height * 5 / 8};
+    trace::Result result = trace::render(octree, *world, *description, options);
     EXPECT_EQ(result.counts.notFinite, 0u);
-    return formats::encodeImage(result.frame, formats::ImageFormat::png, {});
+    return Rendered{std::move(result.frame), drawn, {.transfer = description->image.encoding}};
+}
+
+std::vector<std::byte> renderToPng(const fs::path& file) {
+    const auto rendered = render(file, false);
+    if (!rendered) return {};
+    return formats::encodeImage(rendered->frame, formats::ImageFormat::png, {});
+}
+
+image::Framebuffer cut(const image::Framebuffer& frame, const std::array<std::uint32_t, 4>& r) {
+    image::Framebuffer part(r[2] - r[0], r[3] - r[1]);
+    for (std::uint32_t y = 0; y < part.height; ++y)
+        std::copy_n(&frame.at(r[0], r[1] + y), part.width, &part.at(0, y));
+    return part;
 }
 
 std::optional<formats::Picture> decoded(std::string_view bytes) {
@@ -88,6 +116,51 @@ TEST(Gallery, RendersEveryShippedPluginAsItsReference) {
                 .write(reinterpret_cast<const char*>(shown.data()),
                        static_cast<std::streamsize>(shown.size()));
         }
+    }
+}
+
+std::vector<std::string> galleryScenes() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(RT_GALLERY))
+        if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+class GalleryScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(GalleryScene, DrawsItsPicture) {
+    const fs::path scene = fs::path(RT_GALLERY) / (GetParam() + ".yaml");
+    const std::string text = test::readFile(scene);
+    if (text.find("loader: assimp") != std::string::npos &&
+        !fs::exists(fs::path(RT_SHIPPED_PLUGINS) / "assimp.rtplugin.so"))
+        GTEST_SKIP() << "needs the loader 'assimp'";
+    const auto rendered = render(scene, true);
+    ASSERT_TRUE(rendered);
+    const auto png = formats::encodeImage(cut(rendered->frame, rendered->drawn),
+                                          formats::ImageFormat::png, rendered->encoding);
+    const auto ours = decoded({reinterpret_cast<const char*>(png.data()), png.size()});
+    const auto theirs = decoded(test::readFile(fs::path(RT_GALLERY) / (GetParam() + ".png")));
+    ASSERT_TRUE(ours && theirs);
+    ASSERT_EQ(theirs->frame.width, rendered->frame.width);
+    ASSERT_EQ(theirs->frame.height, rendered->frame.height);
+    // The same bytes on every machine: nothing may differ.
+    const image::Difference difference =
+        image::difference(ours->frame, cut(theirs->frame, rendered->drawn));
+    EXPECT_EQ(difference.over, 0u)
+        << "largest difference " << difference.max << " at " << difference.maxX + rendered->drawn[0]
+        << ", " << difference.maxY + rendered->drawn[1];
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, GalleryScene, testing::ValuesIn(galleryScenes()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST(GalleryPage, ShowsEverySceneWithItsPicture) {
+    const std::string page = test::readFile(fs::path(RT_GALLERY).parent_path() / "README.md");
+    EXPECT_GE(galleryScenes().size(), 12u);
+    for (const std::string& name : galleryScenes()) {
+        EXPECT_NE(page.find("(gallery/" + name + ".png)"), std::string::npos) << name;
+        EXPECT_NE(page.find("(gallery/" + name + ".yaml)"), std::string::npos) << name;
     }
 }
 
