@@ -523,16 +523,16 @@ inline BoxLanes lanesAt(const Bundle& b, int i) {
 }
 
 inline Best bestAt(const Bundle& b, int i) {
-    return {b.t[i], b.u[i], b.v[i], b.id[i], (b.found >> i & 1) != 0};
+    return {b.t[i], b.u[i], b.v[i], b.found >> i & 1 ? b.id + i : nullptr};
 }
 
 /// Takes over what a ray found alone; is it better?
 inline unsigned take(Bundle& b, int i, const Best& best) {
-    if (best.id == b.id[i] && best.t == b.t[i] && best.found == (b.found >> i & 1)) return 0;
+    if (!best.id || best.id == b.id + i) return 0;
     b.t[i] = best.t;
     b.u[i] = best.u;
     b.v[i] = best.v;
-    b.id[i] = best.id;
+    b.id[i] = *best.id;
     b.found |= 1u << i;
     return 1u << i;
 }

@@ -46,8 +46,9 @@ namespace baseline {
 extern const Kernel kernel;
 }
 
-/// One indirect call: the closest of a run before `limit` (equal t by lowest id).
-bool closestOfRun(const TreeView& tree, const CustomRun& run, const geometry::Ray& ray,
-                  double limit, double& t, std::uint32_t& id);
+/// One indirect call: the closest of a run before `limit` (equal t by lowest id); where its id is in
+/// TreeView::customIds, or null.
+const std::uint32_t* closestOfRun(const TreeView& tree, const CustomRun& run,
+                                  const geometry::Ray& ray, double limit, double& t);
 
 } // namespace rt::octree

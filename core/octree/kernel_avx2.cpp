@@ -15,6 +15,8 @@ namespace {
 
 #include "bundle.inl"
 
+#include "interleave.inl"
+
 #include "queries.inl"
 } // namespace
 

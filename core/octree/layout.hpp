@@ -137,7 +137,9 @@ struct TreeView {
     double center[4]; // [3]: 0
     double scale;
     bool hasSpheres, hasUnbounded;
-    LeafRecord unbounded; // primitives without finite bounds: every ray tests them
+    bool isLarge;           // more than the caches hold
+    std::uint32_t hotNodes; // nodes before this one are in use all the time
+    LeafRecord unbounded;   // primitives without finite bounds: every ray tests them
 };
 
 } // namespace rt::octree

@@ -22,7 +22,7 @@ void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* 
     boxRayOf(tree, ray, n, inverses);
     const Frame f = frameOf(tree, ray, n, inverses);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
-    Best best{ray.tMax, 0, 0, 0, false};
+    Best best{ray.tMax, 0, 0, nullptr};
     for (std::uint32_t i = 0; i < counts.shared; ++i)
         closestInShared(tree, tree.shared[i], f, exclude, best);
     for (std::uint32_t i = 0; i < counts.narrowShared; ++i)
@@ -35,22 +35,38 @@ void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* 
     answer(best, hit);
 }
 
+template <bool kCount>
+inline void closestOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
+                         Hit* hits, Visits* visits) {
+    if (coherent)
+        closestBundles<kCount>(tree, rays, count, hits, visits);
+    else if (tree.isLarge)
+        inTurns<kCount>(tree, rays, count, hits, visits);
+    else
+        for (std::size_t i = 0; i < count; ++i)
+            closestImpl<kCount>(tree, rays[i], hits + i, visits);
+}
+
+template <bool kCount>
+inline void occludedOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
+                          std::uint8_t* answers, Visits* visits) {
+    if (coherent)
+        occludedBundles<kCount>(tree, rays, count, answers, visits);
+    else if (tree.isLarge)
+        inTurns<kCount>(tree, rays, count, answers, visits);
+    else
+        for (std::size_t i = 0; i < count; ++i)
+            answers[i] = occludedImpl<kCount>(tree, rays[i], visits);
+}
+
 void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                   Hit* hits, Visits* visits) {
-    if (!coherent)
-        for (std::size_t i = 0; i < count; ++i) closest(tree, rays[i], hits + i, visits);
-    else if (visits)
-        closestBundles<true>(tree, rays, count, hits, visits);
-    else
-        closestBundles<false>(tree, rays, count, hits, nullptr);
+    visits ? closestOfAll<true>(tree, rays, count, coherent, hits, visits)
+           : closestOfAll<false>(tree, rays, count, coherent, hits, nullptr);
 }
 
 void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                    std::uint8_t* answers, Visits* visits) {
-    if (!coherent)
-        for (std::size_t i = 0; i < count; ++i) answers[i] = occluded(tree, rays[i], visits);
-    else if (visits)
-        occludedBundles<true>(tree, rays, count, answers, visits);
-    else
-        occludedBundles<false>(tree, rays, count, answers, nullptr);
+    visits ? occludedOfAll<true>(tree, rays, count, coherent, answers, visits)
+           : occludedOfAll<false>(tree, rays, count, coherent, answers, nullptr);
 }

@@ -219,6 +219,55 @@ TEST_P(HardBundle, LosesNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, HardBundle, testing::Values(1.0, 1e-30, 1e30, 1e-140, 1e140));
 
+/// Large enough for rays without order to go in turns, with leaves of every kind.
+TEST(BatchOf, RandomRaysInALargeTreeEqualsSingleRays) {
+    Scene scene;
+    scene.name = "large";
+    Random random(23);
+    Primitives& p = *scene.primitives;
+    const Mesh ball = icosphere(7, 0.8, Vec3(0.0), 0.2);
+    addMesh(p, ball.positions, ball.indices);
+    std::vector<geometry::Sphere> spheres, customs;
+    std::vector<geometry::Parallelogram> tiles;
+    for (int i = 0; i < 3000; ++i) {
+        spheres.push_back({random.inBox(1), 0.01});
+        customs.push_back({random.inBox(1), 0.01});
+        tiles.push_back({random.inBox(1), random.inBox(0.05), random.inBox(0.05)});
+    }
+    addSpheres(p, spheres);
+    addCustoms(p, customs, false);
+    addParallelograms(p, tiles);
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < rayCount(3000); ++i) rays.push_back(rayFor(scene, i));
+    for (const Simd simd : kLevels) {
+        if (!Octree::supports(simd)) continue;
+        const Octree tree = Octree::build(p, {.storage = octree::Storage::f64, .simd = simd});
+        ASSERT_GT(tree.statistics().bytes, 16u << 20) << "too small to go in turns";
+        EXPECT_GT(
+            expectSameBits(tree, rays, "SIMD level " + std::to_string(static_cast<int>(simd))),
+            rays.size() / 2);
+    }
+}
+
+/// Visits of a batch are of all its rays, and at most those of the rays alone.
+TEST(BatchOf, VisitsAreCounted) {
+    const Scene scene = std::move(mixedScenes()[0]);
+    const Octree tree = Octree::build(*scene.primitives);
+    const std::vector<Ray> rays = cameraRays(scene, 1600);
+    std::vector<Hit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    octree::Visits alone, together, inTurns, shadows;
+    for (const Ray& ray : rays) tree.closest(ray, &alone);
+    tree.closest(rays, hits, Coherence::coherent, &together);
+    tree.closest(rays, hits, Coherence::incoherent, &inTurns);
+    tree.occluded(rays, occluded, Coherence::coherent, &shadows);
+    EXPECT_GT(together.nodes, rays.size() / 16);
+    EXPECT_LT(together.nodes, alone.nodes / 2);
+    EXPECT_EQ(inTurns.nodes, alone.nodes);
+    EXPECT_EQ(inTurns.triangles, alone.triangles);
+    EXPECT_GT(shadows.nodes, rays.size() / 16);
+}
+
 TEST(BatchOf, NothingAnswersNothing) {
     const Scene scene = std::move(mixedScenes()[0]);
     const Octree tree = Octree::build(*scene.primitives);
