@@ -53,7 +53,8 @@ TEST_P(Guides, EveryCommandRuns) {
 
 INSTANTIATE_TEST_SUITE_P(Tree, Guides,
                          testing::Values("converters/README.md", "converters/README.zh.md",
-                                         "scenes/FROM_POVRAY.md"),
+                                         "scenes/FROM_POVRAY.md", "core/octree/README.md",
+                                         "plugins/loaders/README.md"),
                          [](const auto& tested) {
                              std::string name;
                              for (const char c : std::string(tested.param))
