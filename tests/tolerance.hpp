@@ -52,6 +52,8 @@ inline constexpr double kFlipReference = 1e-6;
 inline constexpr double kHitDistance = 1e-12;
 /// Geometric normals against binary128, degrees: the project's bar, for triangles as thin as 1e-6.
 inline constexpr double kNormalDegrees = 1e-10;
+/// Distance of o + t d from the surface of a plugin's exact shape, in u of the ray's coordinates: the project's bar for spheres.
+inline constexpr double kAnalyticSurface = 8;
 /// Gap between parallel surfaces that no ray may skip, relative to the coordinates: the project's bar.
 inline constexpr double kSmallestGap = 1e-9;
 
