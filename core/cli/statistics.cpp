@@ -55,6 +55,12 @@ Json asJson(const Statistics& s) {
               {"spheres", c.visits.spheres},
               {"parallelograms", c.visits.parallelograms},
               {"customs", c.visits.customs}}},
+            {"hits",
+             {{"triangles", c.hits[0]},
+              {"spheres", c.hits[1]},
+              {"parallelograms", c.hits[2]},
+              {"customs", c.hits[3]},
+              {"blocked_shadow", c.blocked}}},
             {"octree",
              {{"depth", s.tree.depth},
               {"nodes", s.tree.nodes},
@@ -106,13 +112,13 @@ std::string asTable(const Statistics& s) {
     row("  reflected", grouped(c.reflected));
     row("  refracted", grouped(c.refracted));
     row("  shadow", grouped(c.shadow));
-    row("tests", "");
-    text.erase(text.find_last_not_of(" \n") + 1) += '\n';
+    row("    that meet something", grouped(c.blocked));
+    row("", "tests", "nearest hits");
     row("  octree nodes", grouped(c.visits.nodes));
-    row("  triangles", grouped(c.visits.triangles));
-    row("  spheres", grouped(c.visits.spheres));
-    row("  parallelograms", grouped(c.visits.parallelograms));
-    row("  customs", grouped(c.visits.customs));
+    row("  triangles", grouped(c.visits.triangles), grouped(c.hits[0]));
+    row("  spheres", grouped(c.visits.spheres), grouped(c.hits[1]));
+    row("  parallelograms", grouped(c.visits.parallelograms), grouped(c.hits[2]));
+    row("  customs", grouped(c.visits.customs), grouped(c.hits[3]));
     row("deepest recursion", grouped(c.deepest));
     row("cut by depth", grouped(c.cutByDepth));
     row("cut by contribution", grouped(c.cutByContribution));

@@ -11,6 +11,7 @@
 #include <core/view/viewer.hpp>
 #include <formats/window.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -27,7 +28,7 @@ public:
     WindowDisplay(const std::string& title, const scene::Image& image)
         : window_(title, image.width, image.height) {}
 
-    void show(const view::Picture& picture, bool) override {
+    void show(const view::Picture& picture, const view::Detail&) override {
         window_.show(picture.rgb.data(), picture.width, picture.height);
     }
     std::optional<std::vector<view::Event>> poll(int milliseconds, bool) override {
@@ -142,13 +143,51 @@ std::shared_ptr<const view::Stage> loadStage(const ViewOptions& options,
                  : nullptr;
 }
 
-/// DIR/0001.png … and DIR/shown.tsv: file, is it final, milliseconds since the last event, is it the first since.
+/// How soon the pictures followed the events.
+class Latencies {
+public:
+    void add(const view::ScriptDisplay::Shown& shown) {
+        if (!shown.firstSinceEvent) return;
+        seconds_.push_back(shown.secondsSinceEvent);
+        pixels_.push_back({std::size_t(shown.detail.width) * shown.detail.height, shown.detail});
+    }
+    /// Empty without events that changed the picture.
+    std::string report() {
+        if (seconds_.empty()) return {};
+        const auto middle = static_cast<std::ptrdiff_t>(seconds_.size() / 2);
+        std::nth_element(seconds_.begin(), seconds_.begin() + middle, seconds_.end());
+        std::nth_element(pixels_.begin(), pixels_.begin() + middle, pixels_.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+        const double median = seconds_[static_cast<std::size_t>(middle)];
+        const view::Detail& size = pixels_[static_cast<std::size_t>(middle)].second;
+        const double largest = *std::max_element(seconds_.begin(), seconds_.end());
+        return "event to first changed picture: median " + milliseconds(median) + ", largest " +
+               milliseconds(largest) + " of " + std::to_string(seconds_.size()) + "; " +
+               std::to_string(static_cast<int>(1 / median)) + " pictures/s of " +
+               std::to_string(size.width) + "x" + std::to_string(size.height) + "\n";
+    }
+
+private:
+    static std::string milliseconds(double seconds) {
+        char text[32];
+        char* const end =
+            std::to_chars(text, text + sizeof text, seconds * 1000, std::chars_format::fixed, 1)
+                .ptr;
+        return std::string(text, end) + " ms";
+    }
+    std::vector<double> seconds_;
+    std::vector<std::pair<std::size_t, view::Detail>> pixels_;
+};
+
+/// DIR/0001.png … and DIR/shown.tsv: file, is it final, milliseconds since the last event, is it the first that
+/// differs since, size as traced.
 class Recorder {
 public:
     Recorder(std::string folder, scene::Encoding encoding)
         : folder_(std::move(folder)), encoding_(encoding) {}
 
     void operator()(const view::ScriptDisplay::Shown& shown) {
+        latencies_.add(shown);
         if (folder_.empty()) return;
         const std::string name = fourDigits(++count_) + ".png";
         writePng(folder_ + '/' + name, shown.picture, encoding_);
@@ -157,11 +196,14 @@ public:
             *std::to_chars(milliseconds, milliseconds + 31, shown.secondsSinceEvent * 1000,
                            std::chars_format::fixed, 2)
                  .ptr = 0;
-        table_ += name + '\t' + (shown.final ? "final" : "coarse") + '\t' + milliseconds + '\t' +
-                  (shown.firstSinceEvent ? "first" : "-") + '\n';
+        const view::Detail& detail = shown.detail;
+        table_ += name + '\t' + (detail.final ? "final" : "coarse") + '\t' + milliseconds + '\t' +
+                  (shown.firstSinceEvent ? "first" : "-") + '\t' + std::to_string(detail.width) +
+                  'x' + std::to_string(detail.height) + '\n';
     }
-    void finish() {
+    void finish(Console& console) {
         if (folder_.empty()) return;
+        console.table(latencies_.report());
         const auto* bytes = reinterpret_cast<const std::byte*>(table_.data());
         formats::writeFileAtomically(folder_ + "/shown.tsv", {bytes, bytes + table_.size()});
     }
@@ -171,6 +213,7 @@ private:
     scene::Encoding encoding_;
     std::size_t count_ = 0;
     std::string table_;
+    Latencies latencies_;
 };
 
 } // namespace
@@ -233,7 +276,7 @@ int view(const ViewOptions& options, Console& console) {
         view::ScriptDisplay display(std::move(*script), std::ref(recorder),
                                     WindowDisplay::annotateWithModule);
         view::run(rest, display, services, settings);
-        recorder.finish();
+        recorder.finish(console);
         return kExitOk;
     }
     try {

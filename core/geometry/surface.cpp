@@ -1,6 +1,7 @@
 #include <core/geometry/surface.hpp>
 
 #include <core/geometry/intersect.hpp>
+#include <core/numeric/bits.hpp>
 #include <core/numeric/elementary.hpp>
 #include <core/numeric/rounding.hpp>
 
@@ -14,13 +15,13 @@ using numeric::abs;
 using numeric::cross;
 using numeric::dot;
 using numeric::gamma;
-using numeric::maxComponent;
-using numeric::nextDown;
-using numeric::nextUp;
+using numeric::bits::maxComponent;
+using numeric::bits::nextDown;
+using numeric::bits::nextUp;
+using numeric::bits::reciprocalPowerOfTwo;
 
 Vec3 unit(const Vec3& v) {
-    const double scale = std::ldexp(1.0, -std::ilogb(maxComponent(abs(v)))); // keeps v·v in range
-    const Vec3 w = v * scale;
+    const Vec3 w = v * reciprocalPowerOfTwo(maxComponent(abs(v))); // keeps v·v in range
     return w * (1 / std::sqrt(dot(w, w)));
 }
 
@@ -130,9 +131,6 @@ void surfaceOfSphere(const Sphere& sphere, const Ray& ray, const Hit& hit, Surfa
     // is one of γ4·r in the distance.
     s.error = gamma(2) * dot(abs(n), abs(sphere.center)) + gamma(12) * sphere.radius;
     s.planar = false;
-    const double longitude = numeric::atan2(n.y, n.x) / (2 * std::numbers::pi);
-    s.uv = {longitude < 0 ? longitude + 1 : longitude,
-            1 - numeric::atan2(std::sqrt(n.x * n.x + n.y * n.y), n.z) / std::numbers::pi};
 }
 
 void surfaceOfParallelogram(const Parallelogram& p, const Ray& ray, const Hit& hit, Surface& s) {
@@ -196,9 +194,9 @@ Vec3 offsetPosition(const Surface& s, bool outward) {
 
 Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 ab = b - a, ac = c - a;
-    const double size = std::fmax(maxComponent(abs(ab)), maxComponent(abs(ac)));
+    const double size = numeric::bits::larger(maxComponent(abs(ab)), maxComponent(abs(ac)));
     if (!(size > 0)) return Vec3(0.0);
-    const double scale = std::ldexp(1.0, -std::ilogb(size)); // a power of two: exact
+    const double scale = reciprocalPowerOfTwo(size);
     const Vec3 n = cross(ab * scale, ac * scale);
     const double squared = dot(n, n);
     // The plain product is off by at most γ4·|ab||ac| in each component, an angle of √3·γ4/sin of the
@@ -247,6 +245,14 @@ Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit) 
     }
     }
     return s;
+}
+
+Vec2 uvOf(const Surface& surface) {
+    if (surface.segment->kind != Kind::sphere) return surface.uv;
+    const Vec3& n = surface.geometricNormal;
+    const double longitude = numeric::atan2(n.y, n.x) / (2 * std::numbers::pi);
+    return {longitude < 0 ? longitude + 1 : longitude,
+            1 - numeric::atan2(std::sqrt(n.x * n.x + n.y * n.y), n.z) / std::numbers::pi};
 }
 
 Ray spawnRay(const Surface& surface, const Vec3& direction) {

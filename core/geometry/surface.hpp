@@ -10,8 +10,7 @@ struct Surface {
     double error;  // bound on the distance between position and the primitive, along the normal
     Vec3 geometricNormal; // unit, outward; never turned toward the ray
     Vec3 shadingNormal;   // unit; interpolated where the mesh has normals, else geometricNormal
-    Vec2 uv; // triangle: its uvs, else the weights of corners 1 and 2; sphere: longitude
-             // and latitude about z, from 0 to 1; parallelogram: along its edges
+    Vec2 uv{0};           // of all but spheres: see uvOf
     const Segment* segment;
     PrimitiveId id;
     ObjectId object;
@@ -23,6 +22,10 @@ struct Surface {
 
 /// The point that `hit`, an answer to `ray`, stands for.
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit);
+
+/// Triangle: its uvs, else the weights of corners 1 and 2; sphere: longitude and latitude about z, from
+/// 0 to 1, computed here for those who want them; parallelogram: along its edges.
+Vec2 uvOf(const Surface& surface);
 
 /// Material of a primitive; cheaper than surfaceAt.
 MaterialId materialOf(const Primitives& primitives, PrimitiveId id);

@@ -21,8 +21,8 @@ LinearRgb colorAt(const world::World& world, const material::Material& material,
     if (!material.colorTexture) return material.color;
     const Vec3 object = world.objectPoint(surface.object, surface.position);
     const Vec3& at = surface.position;
-    const rt_surface_point point{
-        {surface.uv.x, surface.uv.y}, {object.x, object.y, object.z}, {at.x, at.y, at.z}};
+    const Vec2 uv = geometry::uvOf(surface);
+    const rt_surface_point point{{uv.x, uv.y}, {object.x, object.y, object.z}, {at.x, at.y, at.z}};
     double rgb[3] = {0, 0, 0};
     material.colorTexture->type->evaluate(material.colorTexture->state, &point, 1, rgb);
     return material.color * LinearRgb{rgb[0], rgb[1], rgb[2]};

@@ -2,6 +2,7 @@
 #pragma once
 #include <core/octree/octree.hpp>
 
+#include <array>
 #include <cstdint>
 
 namespace rt::trace {
@@ -12,6 +13,9 @@ struct RayCounts {
     std::uint64_t notFinite = 0; // samples that were not a number or infinite, drawn black
     double lostByDepth = 0;      // sum over samples of the largest weight of each ray cut by depth
     std::uint32_t deepest = 0;   // bounces
+    /// Filled with the visits. Nearest hits of all but shadow rays, by kind of primitive.
+    std::array<std::uint64_t, 4> hits{}; // [geometry::Kind]
+    std::uint64_t blocked = 0;           // shadow rays that meet something, be it transparent
     octree::Visits visits;
 
     RayCounts& operator+=(const RayCounts& o);

@@ -1,6 +1,25 @@
 #include <core/trace/grid.hpp>
 
+#include <algorithm>
+
 namespace rt::trace {
+namespace {
+
+constexpr std::uint32_t kBlock = 4; // columns, and rows: the octree's bundles are best that way
+
+/// The order of a band of samples in which any 16 neighbours in the list are neighbours in the
+/// picture: columns of blocks, each row by row.
+struct InBlocks {
+    std::uint32_t width, height;
+
+    std::size_t count() const { return std::size_t(width) * height; }
+    std::size_t operator()(std::uint32_t column, std::uint32_t row) const {
+        const std::uint32_t left = column / kBlock * kBlock;
+        return std::size_t(left) * height + row * std::min(kBlock, width - left) + (column - left);
+    }
+};
+
+} // namespace
 
 bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampling sampling,
                 const Region& region, const Options& options, image::Framebuffer& frame,
@@ -11,22 +30,30 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
         tiles.count(), options, counts, 0, 1,
         [&](std::size_t index, Scratch& scratch, RayCounts& counted) {
             const Region tile = tiles[index];
-            std::vector<PicturePoint> points(std::size_t(tile.width()) * n * n);
-            std::vector<LinearRgb> colors(points.size());
-            for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
+            const std::uint32_t rows = (kBlock + n - 1) / n; // of pixels that fill a row of blocks
+            std::vector<PicturePoint> points;
+            std::vector<LinearRgb> colors;
+            for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += rows) {
                 if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
-                std::size_t i = 0;
-                for (std::uint32_t x = tile.x0; x < tile.x1; ++x)
-                    for (std::uint32_t row = 0; row < n; ++row)
-                        for (std::uint32_t column = 0; column < n; ++column)
-                            points[i++] = {x + (column + first) / n, y + (row + first) / n};
+                const std::uint32_t y1 = std::min(y0 + rows, tile.y1);
+                const InBlocks blocks{tile.width() * n, (y1 - y0) * n};
+                points.resize(blocks.count());
+                colors.resize(blocks.count());
+                for (std::uint32_t row = 0; row < blocks.height; ++row)
+                    for (std::uint32_t column = 0; column < blocks.width; ++column)
+                        points[blocks(column, row)] = {tile.x0 + column / n +
+                                                           (column % n + first) / n,
+                                                       y0 + row / n + (row % n + first) / n};
                 sampler(view, points, colors.data(), scratch, counted);
-                i = 0;
-                for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
-                    LinearRgb sum;
-                    for (std::uint32_t k = 0; k < n * n; ++k) sum += colors[i++];
-                    frame.at(x, y) = sum * (1.0 / (double(n) * n));
-                }
+                for (std::uint32_t y = y0; y < y1; ++y)
+                    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+                        LinearRgb sum;
+                        for (std::uint32_t row = 0; row < n; ++row)
+                            for (std::uint32_t column = 0; column < n; ++column)
+                                sum +=
+                                    colors[blocks((x - tile.x0) * n + column, (y - y0) * n + row)];
+                        frame.at(x, y) = sum * (1.0 / (double(n) * n));
+                    }
             }
         });
 }

@@ -138,13 +138,14 @@ RayTree tracePixel(const octree::Octree& octree, const world::World& world,
             if (stage.box.clip(ray)) {
                 observer.mediaOfPrimary = mediaAt(stage, ray.origin);
                 sample.root = static_cast<std::uint32_t>(tree.nodes.size());
-                sample.light = stage.transmits
-                                   ? Whitted<Features{true, false}, TreeObserver>(stage, scratch,
-                                                                                  counts, observer)
-                                         .radiance(ray)
-                                   : Whitted<Features{false, false}, TreeObserver>(stage, scratch,
-                                                                                   counts, observer)
-                                         .radiance(ray);
+                if (stage.transmits)
+                    Whitted<Features{true, Counting::none}, TreeObserver>(stage, scratch, counts,
+                                                                          observer)
+                        .radiance({&ray, 1}, &sample.light);
+                else
+                    Whitted<Features{false, Counting::none}, TreeObserver>(stage, scratch, counts,
+                                                                           observer)
+                        .radiance({&ray, 1}, &sample.light);
                 sumUp(tree.nodes, *sample.root);
                 sample.toned = toned(sample.light, description.image.tone);
             }

@@ -2,6 +2,7 @@
 
 #include <core/trace/tone.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rt::trace {
@@ -11,20 +12,47 @@ bool isFinite(const LinearRgb& c) {
     return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
+/// Camera rays of a batch: enough for the octree to trace them together, few enough for the caches.
+constexpr std::size_t kBatch = 256;
+
+/// The rays through some points of the picture, less those that never enter the scene's box: black.
+class CameraBatch {
+public:
+    /// At most kBatch points.
+    void fill(const View& view, std::span<const PicturePoint> points) {
+        count_ = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            rays_[count_] = view.camera.through(points[i].column, points[i].row);
+            if (view.stage.box.clip(rays_[count_])) pointOf_[count_++] = i;
+        }
+    }
+    std::span<const geometry::Ray> rays() const { return {rays_, count_}; }
+    std::size_t pointOf(std::size_t ray) const { return pointOf_[ray]; }
+
+private:
+    geometry::Ray rays_[kBatch];
+    std::size_t pointOf_[kBatch];
+    std::size_t count_ = 0;
+};
+
 template <Features kFeatures>
 void sampleLight(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
                  Scratch& scratch, RayCounts& counts) {
     NoObserver nobody;
     Whitted<kFeatures> whitted(view.stage, scratch, counts, nobody);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        geometry::Ray ray = view.camera.through(points[i].column, points[i].row);
-        colors[i] = {};
-        if (!view.stage.box.clip(ray)) continue; // the ray never enters the scene: black
-        const LinearRgb light = whitted.radiance(ray);
-        if (isFinite(light))
-            colors[i] = toned(light, view.tone);
-        else
-            ++counts.notFinite;
+    CameraBatch batch;
+    LinearRgb light[kBatch];
+    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+        const auto some = points.subspan(first, std::min(kBatch, points.size() - first));
+        batch.fill(view, some);
+        whitted.radiance(batch.rays(), light);
+        std::fill_n(colors + first, some.size(), LinearRgb{});
+        for (std::size_t i = 0; i < batch.rays().size(); ++i) {
+            if (isFinite(light[i]))
+                colors[first + batch.pointOf(i)] = toned(light[i], view.tone);
+            else
+                ++counts.notFinite;
+        }
     }
 }
 
@@ -34,8 +62,8 @@ void sampleCost(const View& view, std::span<const PicturePoint> points, LinearRg
                 Scratch& scratch, RayCounts& counts) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         RayCounts one;
-        sampleLight<Features{kTransmission, true}>(view, points.subspan(i, 1), colors + i, scratch,
-                                                   one);
+        sampleLight<Features{kTransmission, Counting::rays}>(view, points.subspan(i, 1), colors + i,
+                                                             scratch, one);
         const octree::Visits& v = one.visits;
         colors[i] = LinearRgb::grey(
             static_cast<double>(v.nodes + v.triangles + v.spheres + v.parallelograms + v.customs));
@@ -66,20 +94,25 @@ LinearRgb idColor(const geometry::Surface& surface, double) {
 template <LinearRgb (*kColor)(const geometry::Surface&, double distance)>
 void sampleFirstHit(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
                     Scratch&, RayCounts& counts) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        geometry::Ray ray = view.camera.through(points[i].column, points[i].row);
-        colors[i] = {};
-        if (!view.stage.box.clip(ray)) continue;
-        ++counts.primary;
-        const geometry::Hit hit = view.stage.octree.closest(ray);
-        if (!hit) continue;
-        const auto surface = geometry::surfaceAt(view.stage.world.primitives, ray, hit);
-        const Vec3 fromEye = surface.position - view.camera.eye();
-        const LinearRgb color = kColor(surface, std::sqrt(dot(fromEye, fromEye)));
-        if (isFinite(color))
-            colors[i] = color;
-        else
-            ++counts.notFinite;
+    CameraBatch batch;
+    geometry::Hit hits[kBatch];
+    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+        const auto some = points.subspan(first, std::min(kBatch, points.size() - first));
+        batch.fill(view, some);
+        const auto rays = batch.rays();
+        counts.primary += rays.size();
+        view.stage.octree.closest(rays, {hits, rays.size()}, octree::Coherence::coherent);
+        std::fill_n(colors + first, some.size(), LinearRgb{});
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (!hits[i]) continue;
+            const auto surface = geometry::surfaceAt(view.stage.world.primitives, rays[i], hits[i]);
+            const Vec3 fromEye = surface.position - view.camera.eye();
+            const LinearRgb color = kColor(surface, std::sqrt(dot(fromEye, fromEye)));
+            if (isFinite(color))
+                colors[first + batch.pointOf(i)] = color;
+            else
+                ++counts.notFinite;
+        }
     }
 }
 
@@ -99,10 +132,10 @@ Sampler samplerFor(const Stage& stage, const Options& options) {
         return stage.transmits ? sampleCost<true> : sampleCost<false>;
     }
     if (options.count)
-        return stage.transmits ? sampleLight<Features{true, true}>
-                               : sampleLight<Features{false, true}>;
-    return stage.transmits ? sampleLight<Features{true, false}>
-                           : sampleLight<Features{false, false}>;
+        return stage.transmits ? sampleLight<Features{true, Counting::batches}>
+                               : sampleLight<Features{false, Counting::batches}>;
+    return stage.transmits ? sampleLight<Features{true, Counting::none}>
+                           : sampleLight<Features{false, Counting::none}>;
 }
 
 } // namespace rt::trace

@@ -1,6 +1,6 @@
 #include <core/trace/scene_box.hpp>
 
-#include <core/numeric/rounding.hpp>
+#include <core/numeric/bits.hpp>
 
 #include <algorithm>
 
@@ -15,38 +15,51 @@ SceneBox::SceneBox(const std::optional<numeric::Box3d>& bounds) : bounds_(bounds
                               numeric::maxComponent(numeric::abs(bounds_->max)));
 }
 
-SceneBox::Span SceneBox::span(const geometry::Ray& ray) const {
+double SceneBox::slack(const geometry::Ray& ray) const {
     // A hit on a face is off its plane by the error of the hit (γ12 of its coordinates at most, see
     // geometry::surfaceAt) and the plane's t by 2 roundings; γ32 covers both, for origins too.
-    const double slack =
-        numeric::gamma(32) * (magnitude_ + numeric::maxComponent(numeric::abs(ray.origin)));
-    Span span{-kInfinity, kInfinity};
+    return numeric::gamma(32) *
+           (magnitude_ + numeric::bits::maxComponent(numeric::abs(ray.origin)));
+}
+
+double SceneBox::enter(const geometry::Ray& ray) const {
+    const double margin = slack(ray);
+    double last = -kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
-        const double low = bounds_->min[axis] - slack - ray.origin[axis];
-        const double high = bounds_->max[axis] + slack - ray.origin[axis];
         const double direction = ray.direction[axis];
-        if (direction == 0) {
-            if (low > 0 || high < 0) return {kInfinity, -kInfinity};
-            continue;
-        }
-        const double a = low / direction, b = high / direction;
-        span.enter = std::max(span.enter, std::min(a, b));
-        span.leave = std::min(span.leave, std::max(a, b));
+        if (direction == 0) continue; // `leave` tells whether it lies between the planes
+        const double plane =
+            direction > 0 ? bounds_->min[axis] - margin : bounds_->max[axis] + margin;
+        last = std::max(last, (plane - ray.origin[axis]) / direction);
     }
-    return span;
+    return last;
+}
+
+double SceneBox::leave(const geometry::Ray& ray) const {
+    const double margin = slack(ray);
+    double first = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double direction = ray.direction[axis], origin = ray.origin[axis];
+        const double low = bounds_->min[axis] - margin - origin;
+        const double high = bounds_->max[axis] + margin - origin;
+        if (direction != 0)
+            first = std::min(first, (direction > 0 ? high : low) / direction);
+        else if (low > 0 || high < 0)
+            return -kInfinity;
+    }
+    return first;
 }
 
 bool SceneBox::clipStartAndEnd(geometry::Ray& ray) const {
-    const Span inside = span(ray);
-    if (!(inside.enter <= inside.leave && inside.leave > 0)) return false;
-    const double start = std::max(inside.enter, 0.0);
+    const double end = leave(ray), start = std::max(enter(ray), 0.0);
+    if (!(start <= end && end > 0)) return false;
     ray.origin += ray.direction * start;
-    ray.tMax = std::min(ray.tMax, inside.leave) - start;
+    ray.tMax = std::min(ray.tMax, end) - start;
     return ray.tMax > 0;
 }
 
 void SceneBox::clipEndOnly(geometry::Ray& ray) const {
-    ray.tMax = std::min(ray.tMax, std::max(span(ray).leave, 0.0));
+    ray.tMax = std::min(ray.tMax, std::max(leave(ray), 0.0));
 }
 
 } // namespace rt::trace

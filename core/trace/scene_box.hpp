@@ -26,10 +26,10 @@ public:
     }
 
 private:
-    struct Span {
-        double enter, leave;
-    };
-    Span span(const geometry::Ray& ray) const;
+    double slack(const geometry::Ray& ray) const;
+    /// Parameters of the ray's line. Leaves at -infinity where it runs beside the box along its faces.
+    double enter(const geometry::Ray& ray) const;
+    double leave(const geometry::Ray& ray) const;
     bool clipStartAndEnd(geometry::Ray& ray) const;
     void clipEndOnly(geometry::Ray& ray) const;
 

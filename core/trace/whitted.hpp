@@ -11,23 +11,33 @@
 //
 // ior is a ratio at each surface, inside over outside. So a ray needs no memory of what it is in:
 // nested solids refract as the product of the ratios that were crossed, in whatever order.
+//
+// Rays are traced in generations: all camera rays of a batch, then all their shadow rays to one light,
+// then what they reflect and refract. What a ray contributes does not depend on its batch, and
+// OrderedSums adds it up as if each sample had been followed alone.
 #pragma once
 #include <core/numeric/elementary.hpp>
 #include <core/trace/coincident.hpp>
 #include <core/trace/counts.hpp>
 #include <core/trace/direction.hpp>
+#include <core/trace/ordered_sums.hpp>
 #include <core/trace/shadow_terminator.hpp>
 #include <core/trace/stage.hpp>
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 namespace rt::trace {
 
+/// Are visits of the octree counted, and of what? Rays that are traced together visit together; `rays`
+/// traces each alone, so that the sum over them is what each costs.
+enum class Counting : std::uint8_t { none, batches, rays };
+
 /// What the rays of a render can meet; one kernel is compiled for each.
 struct Features {
     bool transmission; // some surface lets light through
-    bool counting;     // visits of the octree are counted
+    Counting counting;
 };
 
 enum class RayKind : std::uint8_t { primary, reflected, refracted };
@@ -38,14 +48,9 @@ struct Work {
     LinearRgb weight{1, 1, 1};
     std::uint32_t depth = 0; // bounces so far
     RayKind kind = RayKind::primary;
-    std::uint32_t node = 0; // the observer's number for this ray
-};
-
-/// Memory of one thread; grows to the deepest scene it has met, then is never allocated again.
-struct Scratch {
-    std::vector<Work> pending;
-    std::vector<geometry::Crossing> crossings;
-    Coincident coincident;
+    std::uint32_t sample = 0;
+    OrderedSums::Term term = 0; // what it contributes to the sample
+    std::uint32_t node = 0;     // the observer's number for this ray
 };
 
 /// A surface as the ray sees it: normals turned toward the ray.
@@ -54,6 +59,36 @@ struct Facing {
     Vec3 normal;    // interpolated
     Vec3 geometric; // of the flat primitive
     bool leaving;   // the ray arrives from the inside
+};
+
+/// A ray at the surface that it met.
+struct Encounter {
+    Work work;
+    geometry::Hit hit;
+    Facing facing;
+    const material::Material* material;
+    LinearRgb color; // of the surface, texture included
+    LinearRgb light; // sum over the lights so far, not yet weighted
+};
+
+/// A shadow ray under way.
+struct ToLight {
+    std::uint32_t encounter; // that it left from
+    Vec3 direction;          // unit
+    double cosine;           // to the normal toward the viewer
+};
+
+/// Memory of one thread; grows to what the scenes it has met need, then is never allocated again.
+struct Scratch {
+    std::vector<Work> pending;
+    std::vector<Encounter> met;
+    std::vector<geometry::Ray> rays;
+    std::vector<geometry::Hit> hits;
+    std::vector<ToLight> toLight;
+    std::vector<std::uint8_t> occluded;
+    OrderedSums sums;
+    std::vector<geometry::Crossing> crossings;
+    Coincident coincident;
 };
 
 enum class Fate : std::uint8_t { traced, nothingToAdd, cutByDepth, cutByContribution };
@@ -68,50 +103,99 @@ public:
     Whitted(const Stage& stage, Scratch& scratch, RayCounts& counts, Observer& observer)
         : stage_(stage), scratch_(scratch), counts_(counts), observer_(observer) {}
 
-    /// Linear light along a ray of unit direction that was clipped to the scene's box.
-    LinearRgb radiance(const geometry::Ray& primary) {
-        sum_ = {};
-        ++counts_.primary;
-        Work first;
-        first.ray = primary;
-        if constexpr (Observer::kActive) first.node = observer_.primary(first);
-        scratch_.pending.clear();
-        scratch_.pending.push_back(first);
+    /// light[i] becomes the linear light along primaries[i], which has a unit direction and was
+    /// clipped to the scene's box. Fastest when neighbours in the span are neighbours in the picture.
+    void radiance(std::span<const geometry::Ray> primaries, LinearRgb* light) {
+        start(primaries);
         while (!scratch_.pending.empty()) {
-            const Work work = scratch_.pending.back();
-            scratch_.pending.pop_back();
-            follow(work);
+            meet();
+            shine(scratch_.met);
+            for (const Encounter& encounter : scratch_.met) leave(encounter);
         }
-        return sum_;
+        for (std::size_t i = 0; i < primaries.size(); ++i) light[i] = scratch_.sums[i];
     }
 
 private:
-    octree::Visits* visits() const { return kFeatures.counting ? &counts_.visits : nullptr; }
+    octree::Visits* visits() const {
+        return kFeatures.counting != Counting::none ? &counts_.visits : nullptr;
+    }
 
-    void follow(const Work& work) {
-        if (const geometry::Hit hit = stage_.octree.closest(work.ray, visits())) {
-            shade(work, hit, geometry::surfaceAt(stage_.world.primitives, work.ray, hit));
-        } else {
-            const LinearRgb seen = stage_.background.seenBy(work.ray);
-            if constexpr (Observer::kActive) observer_.miss(work, seen);
-            sum_ += work.weight * seen;
+    void start(std::span<const geometry::Ray> primaries) {
+        counts_.primary += primaries.size();
+        scratch_.pending.clear();
+        scratch_.sums.start(primaries.size());
+        for (std::uint32_t i = 0; i < primaries.size(); ++i) {
+            Work first;
+            first.ray = primaries[i];
+            first.sample = i;
+            first.term = scratch_.sums.first(i);
+            if constexpr (Observer::kActive) first.node = observer_.primary(first);
+            scratch_.pending.push_back(first);
         }
     }
 
-    void shade(const Work& work, const geometry::Hit& hit, const geometry::Surface& surface) {
-        const Facing facing = face(surface, work.ray.direction);
-        const auto material =
-            stage_.world.materials.data() + static_cast<std::uint32_t>(facing.surface.material);
-        const LinearRgb color = colorAt(stage_.world, *material, facing.surface);
-        if constexpr (Observer::kActive) observer_.hit(work, hit, facing, *material, color);
-        sum_ += work.weight * lit(work, hit, facing, *material, color);
+    /// Takes the last works and traces them: what they meet is in scratch_.met, in their order. Taking
+    /// the last, at most so many, keeps the memory that waits linear in the depth.
+    void meet() {
+        constexpr std::size_t kMost = 256;
+        auto& [pending, met, rays, hits, toLight, occluded, sums, crossings, coincident] = scratch_;
+        const std::size_t first = pending.size() - std::min(pending.size(), kMost);
+        rays.clear();
+        for (std::size_t i = first; i < pending.size(); ++i) rays.push_back(pending[i].ray);
+        closest();
+        met.clear();
+        for (std::size_t i = first; i < pending.size(); ++i) {
+            const Work& work = pending[i];
+            if (const geometry::Hit& hit = hits[i - first]) {
+                met.push_back(encounter(
+                    work, hit, geometry::surfaceAt(stage_.world.primitives, work.ray, hit)));
+            } else {
+                const LinearRgb seen = stage_.background.seenBy(work.ray);
+                if constexpr (Observer::kActive) observer_.miss(work, seen);
+                sums.settle(work.sample, work.term, work.weight * seen);
+            }
+        }
+        pending.resize(first);
+    }
 
-        LinearRgb mirror = material->specular;
-        if constexpr (kFeatures.transmission)
-            if (!material->isOpaque())
-                if (!transmit(work, hit, facing, *material, color))
-                    mirror += material->transmission;
-        if (!mirror.isBlack()) reflect(work, facing, color * mirror);
+    /// scratch_.hits of scratch_.rays.
+    void closest() {
+        const auto& rays = scratch_.rays;
+        scratch_.hits.resize(rays.size());
+        if constexpr (kFeatures.counting == Counting::rays) {
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                scratch_.hits[i] = stage_.octree.closest(rays[i], visits());
+        } else {
+            stage_.octree.closest(rays, scratch_.hits, octree::Coherence::coherent, visits());
+        }
+    }
+
+    /// scratch_.occluded of scratch_.rays.
+    void occluded() {
+        const auto& rays = scratch_.rays;
+        scratch_.occluded.resize(rays.size());
+        if constexpr (kFeatures.counting == Counting::rays) {
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                scratch_.occluded[i] = stage_.octree.occluded(rays[i], visits());
+        } else {
+            stage_.octree.occluded(rays, scratch_.occluded, octree::Coherence::coherent, visits());
+        }
+    }
+
+    Encounter encounter(const Work& work, const geometry::Hit& hit,
+                        const geometry::Surface& surface) {
+        if constexpr (kFeatures.counting != Counting::none)
+            ++counts_.hits[static_cast<std::size_t>(surface.segment->kind)];
+        const auto material =
+            stage_.world.materials.data() + static_cast<std::uint32_t>(surface.material);
+        Encounter met{work,
+                      hit,
+                      face(surface, work.ray.direction),
+                      material,
+                      colorAt(stage_.world, *material, surface),
+                      {}};
+        if constexpr (Observer::kActive) observer_.hit(work, hit, met.facing, *material, met.color);
+        return met;
     }
 
     static Facing face(const geometry::Surface& surface, const Vec3& direction) {
@@ -123,87 +207,121 @@ private:
         return facing;
     }
 
-    /// The sum over the lights.
-    LinearRgb lit(const Work& work, const geometry::Hit& hit, const Facing& facing,
-                  const material::Material& material, const LinearRgb& color) {
-        LinearRgb sum;
-        const bool shines = !material.diffuse.isBlack() || !material.specular.isBlack();
-        const bool glows = !material.environment.isBlack();
-        if (!shines && !glows) return sum;
-        geometry::Surface from = facing.surface;
-        if (facing.surface.shadingNormal != facing.surface.geometricNormal)
-            from.position = smoothPosition(stage_.world.primitives, facing.surface, hit,
-                                           facing.leaving ? -1 : 1);
+    /// Sums the lights up in `light` of each.
+    void shine(std::span<Encounter> all) {
         for (const Light& light : stage_.lights) {
-            const Vec3 toLight = light.position - facing.surface.position;
-            const double squared = dot(toLight, toLight);
-            if (!(squared > 0)) continue; // the light lies on the point: no direction
-            const Vec3 direction = toLight / std::sqrt(squared);
-            const double cosine = dot(direction, facing.normal);
-            const bool front = cosine > 0;
-            if (front ? !(shines || glows) : !glows || material.isOpaque()) continue;
-            LinearRgb visible = visibleLight(light, front ? from : facing.surface);
-            if (!front) visible *= material.transmission;
-            LinearRgb added = material.environment * visible;
-            if (front) {
-                added += color * material.diffuse * cosine * visible;
-                added += highlight(work, facing, material, direction) * visible;
-            }
-            if constexpr (Observer::kActive) observer_.light(work, light, visible, added);
-            sum += added;
+            scratch_.rays.clear();
+            scratch_.toLight.clear();
+            for (std::uint32_t i = 0; i < all.size(); ++i) aim(light, all[i], i);
+            counts_.shadow += scratch_.rays.size();
+            occluded();
+            if constexpr (kFeatures.counting != Counting::none)
+                for (const std::uint8_t blocked : scratch_.occluded) counts_.blocked += blocked;
+            for (std::size_t i = 0; i < scratch_.rays.size(); ++i)
+                add(light, scratch_.toLight[i], i, all[scratch_.toLight[i].encounter]);
         }
-        return sum;
     }
 
-    static LinearRgb highlight(const Work& work, const Facing& facing,
-                               const material::Material& material, const Vec3& toLight) {
-        if (material.specular.isBlack()) return {};
-        const Vec3 halfway = toLight - work.ray.direction;
-        const double cosine = dot(halfway, facing.normal) / std::sqrt(dot(halfway, halfway));
-        if (!(cosine > 0)) return {};
-        return material.specular * numeric::pow(std::min(cosine, 1.0), material.shininess);
-    }
-
-    /// The light's color after all that lies between.
-    LinearRgb visibleLight(const Light& light, const geometry::Surface& from) {
-        ++counts_.shadow;
-        geometry::Ray ray = geometry::spawnRayTo(from, light.position);
-        stage_.box.clipEnd(ray);
-        if constexpr (!kFeatures.transmission) {
-            return stage_.octree.occluded(ray, visits()) ? LinearRgb{} : light.color;
+    /// The shadow ray, where the light can matter.
+    void aim(const Light& light, const Encounter& met, std::uint32_t number) {
+        const material::Material& material = *met.material;
+        const bool glows = !material.environment.isBlack();
+        if (!glows && material.diffuse.isBlack() && material.specular.isBlack()) return;
+        const geometry::Surface& surface = met.facing.surface;
+        const Vec3 toLight = light.position - surface.position;
+        const double squared = dot(toLight, toLight);
+        if (!(squared > 0)) return; // the light lies on the point: no direction
+        const Vec3 direction = toLight / std::sqrt(squared);
+        const double cosine = dot(direction, met.facing.normal);
+        const bool front = cosine > 0;
+        if (!front && (!glows || material.isOpaque())) return;
+        if (front && surface.shadingNormal != surface.geometricNormal) {
+            geometry::Surface smoothed = surface;
+            smoothed.position = smoothPosition(stage_.world.primitives, surface, met.hit,
+                                               met.facing.leaving ? -1 : 1);
+            scratch_.rays.push_back(geometry::spawnRayTo(smoothed, light.position));
         } else {
-            auto& crossings = scratch_.crossings;
-            crossings.clear();
-            if (!stage_.octree.crossings(ray, stage_.opaque, crossings, visits())) return {};
-            LinearRgb color = light.color;
-            for (const geometry::Crossing& crossing : crossings) {
-                const auto id = geometry::materialOf(stage_.world.primitives, crossing.id);
-                color *= stage_.world.materials[static_cast<std::uint32_t>(id)].transmission;
-            }
-            return color;
+            scratch_.rays.push_back(geometry::spawnRayTo(surface, light.position));
         }
+        stage_.box.clipEnd(scratch_.rays.back());
+        scratch_.toLight.push_back({number, direction, cosine});
     }
 
-    void reflect(const Work& work, const Facing& facing, const LinearRgb& share) {
-        const Vec3 direction =
-            intoHemisphere(reflected(work.ray.direction, facing.normal), facing.geometric);
+    /// What the light adds through its shadow ray, by number.
+    void add(const Light& light, const ToLight& to, std::size_t ray, Encounter& met) {
+        const material::Material& material = *met.material;
+        LinearRgb visible = light.color;
+        if (scratch_.occluded[ray])
+            visible = kFeatures.transmission ? filtered(light, scratch_.rays[ray]) : LinearRgb{};
+        const bool front = to.cosine > 0;
+        if (!front) visible *= material.transmission;
+        LinearRgb added = material.environment * visible;
+        if (front) {
+            added += met.color * material.diffuse * to.cosine * visible;
+            if (!visible.isBlack()) added += highlight(met, to.direction) * visible;
+        }
+        if constexpr (Observer::kActive) observer_.light(met.work, light, visible, added);
+        met.light += added;
+    }
+
+    static LinearRgb highlight(const Encounter& met, const Vec3& toLight) {
+        if (met.material->specular.isBlack()) return {};
+        const Vec3 halfway = toLight - met.work.ray.direction;
+        const double cosine = dot(halfway, met.facing.normal) / std::sqrt(dot(halfway, halfway));
+        if (!(cosine > 0)) return {};
+        return met.material->specular *
+               numeric::pow(std::min(cosine, 1.0), met.material->shininess);
+    }
+
+    /// The light's color after all that a shadow ray crosses.
+    LinearRgb filtered(const Light& light, const geometry::Ray& ray) {
+        auto& crossings = scratch_.crossings;
+        crossings.clear();
+        if (!stage_.octree.crossings(ray, stage_.opaque, crossings, visits())) return {};
+        LinearRgb color = light.color;
+        for (const geometry::Crossing& crossing : crossings) {
+            const auto id = geometry::materialOf(stage_.world.primitives, crossing.id);
+            color *= stage_.world.materials[static_cast<std::uint32_t>(id)].transmission;
+        }
+        return color;
+    }
+
+    /// The surface is lit: sends off what it reflects and refracts.
+    void leave(const Encounter& met) {
+        LinearRgb mirror = met.material->specular;
+        OrderedSums::Term last = met.work.term;
+        if constexpr (kFeatures.transmission)
+            if (!met.material->isOpaque())
+                if (!transmit(met, last)) mirror += met.material->transmission;
+        if (!mirror.isBlack()) reflect(met, met.color * mirror, last);
+        scratch_.sums.settle(met.work.sample, met.work.term, met.work.weight * met.light);
+    }
+
+    /// Its term goes behind `last`.
+    void reflect(const Encounter& met, const LinearRgb& share, OrderedSums::Term last) {
+        const Vec3 direction = intoHemisphere(reflected(met.work.ray.direction, met.facing.normal),
+                                              met.facing.geometric);
         Work child;
         child.kind = RayKind::reflected;
-        child.weight = work.weight * share;
-        if (admit(work, child)) {
-            child.ray = geometry::spawnRay(facing.surface, direction);
-            push(child);
-        }
+        child.weight = met.work.weight * share;
+        if (!admit(met.work, child)) return;
+        child.ray = geometry::spawnRay(met.facing.surface, direction);
+        child.term = scratch_.sums.after(last);
+        push(child);
     }
 
-    /// False on total reflection.
-    bool transmit(const Work& work, const geometry::Hit& hit, const Facing& facing,
-                  const material::Material& material, const LinearRgb& color) {
+    /// False on total reflection. `last` becomes the term behind which that of the mirrored ray goes:
+    /// the refracted ray's own comes after that and its children's, but the light of an opaque surface
+    /// in contact comes first.
+    bool transmit(const Encounter& met, OrderedSums::Term& last) {
+        const Work& work = met.work;
+        const Facing& facing = met.facing;
+        const material::Material& material = *met.material;
         double ratio = 1; // index in front over index behind
         if (facing.surface.solid) ratio = facing.leaving ? material.ior : 1 / material.ior;
         const Coincident* also = nullptr;
         if (stage_.mayCoincide[static_cast<std::uint32_t>(facing.surface.object)]) {
-            findCoincident(stage_, work.ray, hit, facing.surface, scratch_.crossings,
+            findCoincident(stage_, work.ray, met.hit, facing.surface, scratch_.crossings,
                            scratch_.coincident, visits());
             also = &scratch_.coincident;
             ratio *= also->indexRatio;
@@ -220,18 +338,22 @@ private:
         }
         Work child;
         child.kind = RayKind::refracted;
-        child.weight = work.weight * (color * material.transmission);
+        child.weight = work.weight * (met.color * material.transmission);
         if (also) child.weight *= also->filter;
         if (!admit(work, child)) return true;
         geometry::Surface from = facing.surface;
         if (also) from.error += also->error;
         child.ray = geometry::spawnRay(from, direction);
+        child.term = scratch_.sums.after(last);
         if constexpr (Observer::kActive) observer_.transmitted(child, facing, also);
         if (ends) {
             geometry::Surface end = *also->opaque;
             end.error += from.error;
             if constexpr (Observer::kActive) observer_.starts(child);
-            shade(child, also->opaqueHit, end);
+            Encounter contact = encounter(child, also->opaqueHit, end);
+            shine({&contact, 1});
+            leave(contact);
+            last = child.term;
         } else {
             push(child);
         }
@@ -241,6 +363,7 @@ private:
     /// Is the child worth a ray?
     bool admit(const Work& parent, Work& child) {
         child.depth = parent.depth + 1;
+        child.sample = parent.sample;
         Fate fate = Fate::traced;
         if (child.weight.isBlack()) {
             fate = Fate::nothingToAdd;
@@ -268,7 +391,6 @@ private:
     Scratch& scratch_;
     RayCounts& counts_;
     Observer& observer_;
-    LinearRgb sum_;
 };
 
 } // namespace rt::trace

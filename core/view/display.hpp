@@ -13,6 +13,12 @@ struct Picture {
     std::vector<std::uint8_t> rgb;
 };
 
+/// How finely a shown picture was traced.
+struct Detail {
+    std::uint32_t width = 0, height = 0; // pixels, at most those of the picture
+    bool final = false;                  // nothing finer will follow until something changes
+};
+
 struct Event {
     enum class Kind : std::uint8_t { key, press, move, release, wheel };
     Kind kind = Kind::key;
@@ -23,8 +29,7 @@ struct Event {
 class Display {
 public:
     virtual ~Display() = default;
-    /// `final`: nothing finer will follow until something changes.
-    virtual void show(const Picture& picture, bool final) = 0;
+    virtual void show(const Picture& picture, const Detail& detail) = 0;
     /// Waits up to `milliseconds` for events; nothing when the user closed the display. `idle`: the picture shown is final
     /// and nothing is under way.
     virtual std::optional<std::vector<Event>> poll(int milliseconds, bool idle) = 0;

@@ -108,12 +108,15 @@ ScriptDisplay::ScriptDisplay(std::vector<Command> commands,
                              std::function<void(const Shown&)> record, Annotate annotate)
     : commands_(std::move(commands)), record_(std::move(record)), annotate_(std::move(annotate)) {}
 
-void ScriptDisplay::show(const Picture& picture, bool final) {
+void ScriptDisplay::show(const Picture& picture, const Detail& detail) {
     const double since = eventTime_
                              ? std::chrono::duration<double>(Clock::now() - *eventTime_).count()
                              : std::numeric_limits<double>::infinity();
-    record_({picture, final, since, eventTime_ && !shownSinceEvent_});
+    const bool first = eventTime_ && !changedSinceEvent_ && picture.rgb != before_;
+    changedSinceEvent_ = changedSinceEvent_ || first;
     shownSinceEvent_ = true;
+    before_ = picture.rgb;
+    record_({picture, detail, since, first});
 }
 
 std::optional<std::vector<Event>> ScriptDisplay::poll(int milliseconds, bool idle) {
@@ -142,7 +145,7 @@ std::optional<std::vector<Event>> ScriptDisplay::poll(int milliseconds, bool idl
     const Event event = command.events[event_];
     if (++event_ == command.events.size()) event_ = 0, ++command_;
     eventTime_ = Clock::now();
-    shownSinceEvent_ = false;
+    shownSinceEvent_ = changedSinceEvent_ = false;
     return std::vector{event};
 }
 

@@ -35,16 +35,16 @@ class ScriptDisplay final : public Display {
 public:
     struct Shown {
         const Picture& picture;
-        bool final;
+        Detail detail;
         double secondsSinceEvent; // since the last event was handed over; infinite before the first
-        bool firstSinceEvent;
+        bool firstSinceEvent;     // the first picture that differs from the one before the event
     };
     using Annotate = std::function<void(Picture&, const std::vector<std::string>&)>;
 
     ScriptDisplay(std::vector<Command> commands, std::function<void(const Shown&)> record,
                   Annotate annotate);
 
-    void show(const Picture& picture, bool final) override;
+    void show(const Picture& picture, const Detail& detail) override;
     std::optional<std::vector<Event>> poll(int milliseconds, bool idle) override;
     void annotate(Picture& picture, const std::vector<std::string>& lines) override {
         annotate_(picture, lines);
@@ -55,7 +55,8 @@ private:
     std::function<void(const Shown&)> record_;
     Annotate annotate_;
     std::size_t command_ = 0, event_ = 0;
-    bool shownSinceEvent_ = false;
+    bool shownSinceEvent_ = false, changedSinceEvent_ = false;
+    std::vector<std::uint8_t> before_; // what was shown last, RGB
     std::optional<std::chrono::steady_clock::time_point> eventTime_, pauseUntil_;
 };
 

@@ -3,6 +3,7 @@
 #include <core/geometry/bounds.hpp>
 #include <core/geometry/surface.hpp>
 #include <core/image/quantize.hpp>
+#include <core/parallel/parallel.hpp>
 #include <core/trace/camera.hpp>
 #include <core/trace/render.hpp>
 #include <core/view/fly_camera.hpp>
@@ -28,8 +29,7 @@ double secondsSince(Clock::time_point start) {
 }
 
 constexpr double kTurn = 3 * numeric::kRadiansPerDegree;
-constexpr std::uint32_t kCoarsest = 8;       // a coarse picture has 1/8 of the width and height
-constexpr int kIdlePoll = 20, kBusyPoll = 2; // milliseconds between looks at the keyboard
+constexpr int kIdlePoll = 20, kBusyPoll = 1; // milliseconds between looks at the keyboard
 constexpr double kWatchSeconds = 0.25;
 
 // X11 key symbols that OpenCV passes on.
@@ -46,40 +46,40 @@ std::string vector(const Vec3& v) {
     return "[" + number(v.x, 6) + ", " + number(v.y, 6) + ", " + number(v.z, 6) + "]";
 }
 
-/// Each pixel of `small` becomes a block; the last row and column may be cut.
-Picture enlarged(const Picture& small, std::uint32_t width, std::uint32_t height) {
-    Picture big{width, height, std::vector<std::uint8_t>(std::size_t(width) * height * 3)};
-    for (std::uint32_t y = 0; y < height; ++y)
-        for (std::uint32_t x = 0; x < width; ++x) {
-            const std::size_t from =
-                (std::size_t(y * small.height / height) * small.width + x * small.width / width) *
-                3;
-            std::copy_n(&small.rgb[from], 3, &big.rgb[(std::size_t(y) * width + x) * 3]);
+/// What a frame shows at the size of the picture: each of its pixels as a block.
+Picture displayed(const image::Framebuffer& frame, const scene::Image& image, int threads) {
+    Picture picture{image.width, image.height,
+                    std::vector<std::uint8_t>(std::size_t(image.width) * image.height * 3)};
+    const auto code = image.encoding == scene::Encoding::srgb ? image::srgb8 : image::linear8;
+    // The row of the frame that a row of the picture shows; the first that shows it makes it.
+    const auto source = [&](std::size_t y) { return y * frame.height / image.height; };
+    parallel::forEach(frame.height, threads, [&](std::size_t row) {
+        const std::size_t first = (row * image.height + frame.height - 1) / frame.height;
+        std::uint8_t* const begin = &picture.rgb[first * image.width * 3];
+        std::uint8_t* to = begin;
+        std::size_t x = 0;
+        for (std::uint32_t column = 0; column < frame.width; ++column) {
+            const numeric::LinearRgb& light = frame.at(column, static_cast<std::uint32_t>(row));
+            const std::uint8_t rgb[3] = {code(light.r), code(light.g), code(light.b)};
+            for (; x * frame.width / image.width == column && x < image.width; ++x)
+                to = std::copy_n(rgb, 3, to);
         }
-    return big;
-}
-
-Picture quantized(const image::Framebuffer& frame, scene::Encoding encoding) {
-    Picture picture{frame.width, frame.height, std::vector<std::uint8_t>(frame.pixels.size() * 3)};
-    const auto code = encoding == scene::Encoding::srgb ? image::srgb8 : image::linear8;
-    for (std::size_t i = 0; i < frame.pixels.size(); ++i) {
-        picture.rgb[3 * i] = code(frame.pixels[i].r);
-        picture.rgb[3 * i + 1] = code(frame.pixels[i].g);
-        picture.rgb[3 * i + 2] = code(frame.pixels[i].b);
-    }
+        for (std::size_t y = first + 1; y < image.height && source(y) == row; ++y)
+            std::copy_n(begin, image.width * std::size_t{3}, &picture.rgb[y * image.width * 3]);
+    });
     return picture;
 }
 
-/// Levels of a picture, coarse to fine: divisors of the size, then the scene's own antialiasing.
+/// Levels of a picture, coarse to fine: eighths of the size, then the scene's own antialiasing.
 struct Level {
-    std::uint32_t divisor = kCoarsest;
+    static constexpr std::uint32_t kFinest = 8;
+    std::uint32_t eighths = 1;
     bool full = false; // the scene's own settings: what `rt render` would write
 
-    Level finer() const { return divisor > 1 ? Level{divisor / 2, false} : Level{1, true}; }
+    std::uint32_t of(std::uint32_t side) const { return (side * eighths + kFinest - 1) / kFinest; }
     std::string name(const scene::Image& image) const {
         if (full) return "final";
-        return std::to_string((image.width + divisor - 1) / divisor) + "x" +
-               std::to_string((image.height + divisor - 1) / divisor);
+        return std::to_string(of(image.width)) + "x" + std::to_string(of(image.height));
     }
 };
 
@@ -101,8 +101,7 @@ public:
             } else if (pending_) {
                 startRender();
             } else if (playing_) {
-                stepFrame(+1);
-                continue;
+                playFrame();
             }
             const bool idle = !rendering_.valid() && !pending_ && !playing_;
             const auto events = display_.poll(idle ? kIdlePoll : kBusyPoll, idle);
@@ -126,19 +125,30 @@ private:
     /// The camera, scene or mode changed: what is being rendered is out of date.
     void restart() {
         abandon();
-        pending_ = Level{startDivisor(), false};
+        pending_ = level(startEighths());
     }
 
-    /// The finest size that the last pictures say can be had in time; the finest of all if that is the final one.
-    std::uint32_t startDivisor() const {
-        std::uint32_t divisor = 1;
-        while (divisor < kCoarsest && secondsPerPixel_ * pixels(divisor) > options_.frameSeconds)
-            divisor *= 2;
-        return secondsPerPixel_ == 0 ? kCoarsest : divisor;
+    /// The finest size that the last pictures say can be traced and shown in time.
+    std::uint32_t startEighths() const {
+        if (secondsPerPixel_ == 0) return 1;
+        const double budget = options_.frameSeconds - secondsToShow_;
+        std::uint32_t eighths = Level::kFinest;
+        while (eighths > 1 && secondsPerPixel_ * pixels({eighths}) > budget) --eighths;
+        return eighths;
     }
-    double pixels(std::uint32_t divisor) const {
+    /// The full size is the final picture where the scene asks for one sample a pixel.
+    Level level(std::uint32_t eighths) const {
+        const scene::Render& render = stage_->description.render;
+        const bool plain = std::holds_alternative<scene::AntialiasNone>(render.antialias);
+        return {eighths, eighths == Level::kFinest && plain && !render.smooth};
+    }
+    Level finer(const Level& at) const {
+        return at.eighths < Level::kFinest ? level(std::min(2 * at.eighths, Level::kFinest))
+                                           : Level{Level::kFinest, true};
+    }
+    double pixels(const Level& at) const {
         const auto& image = stage_->description.image;
-        return double(image.width) * image.height / (double(divisor) * divisor);
+        return double(at.of(image.width)) * at.of(image.height);
     }
 
     void abandon() {
@@ -147,13 +157,12 @@ private:
         stop_ = false;
     }
 
-    scene::Description descriptionAt(const Level& level) const {
+    scene::Description descriptionAt(const Level& at) const {
         scene::Description description = stage_->description;
         if (moved_) description.camera = fly_.camera();
-        if (!level.full) {
-            description.image.width = (description.image.width + level.divisor - 1) / level.divisor;
-            description.image.height =
-                (description.image.height + level.divisor - 1) / level.divisor;
+        if (!at.full) {
+            description.image.width = at.of(description.image.width);
+            description.image.height = at.of(description.image.height);
             description.render.antialias = scene::AntialiasNone{};
             description.render.smooth = false;
         }
@@ -166,7 +175,7 @@ private:
         rendering_ = std::async(std::launch::async, [this, stage = stage_,
                                                      description = descriptionAt(level_),
                                                      shade = shade_] {
-            const auto start = Clock::now();
+            const auto begin = Clock::now();
             trace::Options options;
             options.threads = options_.threads;
             options.shade = shade;
@@ -174,41 +183,54 @@ private:
             trace::Result result = trace::render(stage->octree, stage->world, description, options);
             trace::scaleForDisplay(result.frame, shade);
             const auto& counts = result.counts;
-            return Rendered{
-                quantized(result.frame, description.image.encoding), result.complete,
-                secondsSince(start),
-                double(counts.primary + counts.reflected + counts.refracted + counts.shadow)};
+            Rendered rendered;
+            rendered.complete = result.complete;
+            if (result.complete)
+                rendered.picture =
+                    displayed(result.frame, stage->description.image, options_.threads);
+            rendered.seconds = secondsSince(begin);
+            rendered.rays =
+                double(counts.primary + counts.reflected + counts.refracted + counts.shadow);
+            return rendered;
         });
     }
 
     void finishRender() {
         const Rendered done = rendering_.get();
         if (!done.complete) return;
-        if (!level_.full) secondsPerPixel_ = done.seconds / pixels(level_.divisor);
+        if (!level_.full || level(Level::kFinest).full)
+            secondsPerPixel_ = done.seconds / pixels(level_);
         megaraysPerSecond_ = done.rays / done.seconds / 1e6;
         const auto now = Clock::now();
         framesPerSecond_ = 1 / std::chrono::duration<double>(now - lastShown_).count();
         lastShown_ = now;
-        const auto& image = stage_->description.image;
-        shown_ =
-            level_.divisor == 1 ? done.picture : enlarged(done.picture, image.width, image.height);
-        if (!level_.full && !playing_) pending_ = level_.finer();
-        present(level_.full);
+        shown_ = std::move(done.picture);
+        if (!level_.full && !playing_) pending_ = finer(level_);
+        present();
     }
 
-    void present(bool final) {
-        if (!options_.overlay && errors_.empty() && !help_) return display_.show(shown_, final);
+    /// Shows the last picture with what is to be said.
+    void present() {
+        const auto start = Clock::now();
+        const auto& image = stage_->description.image;
+        const Detail detail{level_.of(image.width), level_.of(image.height),
+                            level_.full && !rendering_.valid() && !pending_};
+        if (!options_.overlay && errors_.empty() && !help_) {
+            display_.show(shown_, detail);
+            secondsToShow_ = secondsSince(start);
+            return;
+        }
         Picture annotated = shown_;
         std::vector<std::string> lines;
         if (options_.overlay)
-            lines.push_back(number(framesPerSecond_, 3) + " fps  " +
-                            level_.name(stage_->description.image) + "  " +
+            lines.push_back(number(framesPerSecond_, 3) + " fps  " + level_.name(image) + "  " +
                             number(megaraysPerSecond_, 3) + " Mrays/s" +
                             (frame_ ? "  frame " + std::to_string(*frame_) : ""));
         if (help_) lines.insert(lines.end(), helpLines().begin(), helpLines().end());
         lines.insert(lines.end(), errors_.begin(), errors_.end());
         display_.annotate(annotated, lines);
-        display_.show(annotated, final);
+        display_.show(annotated, detail);
+        secondsToShow_ = secondsSince(start);
     }
 
     // ---- input ---------------------------------------------------------------------------------------
@@ -306,6 +328,7 @@ private:
             return restart();
         case ' ':
             playing_ = !playing_ && hasFrames();
+            playStart_ = Clock::now() - framesAsTime(frame_.value_or(0));
             return playing_ ? void() : restart();
         case ',':
             return stepFrame(-1);
@@ -318,7 +341,7 @@ private:
                                           : FlyCamera(stage_->description.camera).yaml());
         case 'h':
             help_ = !help_;
-            return present(level_.full && !rendering_.valid() && !pending_);
+            return present();
         case kEscape:
             quit_ = true;
             return;
@@ -331,15 +354,33 @@ private:
         return stage_->description.animation && stage_->description.animation->frames > 1;
     }
 
+    Clock::duration framesAsTime(double frames) const {
+        const double seconds = frames / stage_->description.animation->fps;
+        return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    }
+
     void stepFrame(int step) {
         if (!hasFrames()) return;
         const std::uint32_t frames = stage_->description.animation->frames;
-        const std::uint32_t next =
-            (frame_.value_or(0) + frames + static_cast<std::uint32_t>(step)) % frames;
+        playing_ = false;
+        showFrame((frame_.value_or(0) + frames + static_cast<std::uint32_t>(step)) % frames);
+    }
+
+    /// The frame whose time has come; those that came and went while the last was drawn are left out.
+    void playFrame() {
+        const auto& animation = *stage_->description.animation;
+        const auto due = static_cast<std::uint64_t>(secondsSince(playStart_) * animation.fps);
+        const auto next = static_cast<std::uint32_t>(due % animation.frames);
+        if (next != frame_) showFrame(next);
+    }
+
+    void showFrame(std::uint32_t number) {
         abandon();
-        if (auto stage = services_.frame(next)) {
+        if (auto stage = services_.frame(number)) {
             stage_ = std::move(stage);
-            frame_ = next;
+            frame_ = number;
+        } else {
+            playing_ = false; // what is wrong was said
         }
         restart();
     }
@@ -352,7 +393,7 @@ private:
 
     /// What stands at a pixel: name, material, distance from the eye, uv.
     void describe(int x, int y) {
-        const scene::Description description = descriptionAt({1, true});
+        const scene::Description description = descriptionAt({Level::kFinest, true});
         const auto& image = description.image;
         if (x < 0 || y < 0 || x >= int(image.width) || y >= int(image.height)) return;
         const trace::Camera camera(description.camera, image.width, image.height,
@@ -361,12 +402,13 @@ private:
         const geometry::Hit hit = stage_->octree.closest(ray);
         if (!hit) return services_.print("background\n");
         const geometry::Surface surface = geometry::surfaceAt(stage_->world.primitives, ray, hit);
+        const numeric::Vec2 uv = geometry::uvOf(surface);
         services_.print(
             stage_->world.objectNames[static_cast<std::size_t>(surface.object)] + ": material " +
             stage_->world.materialNames[static_cast<std::size_t>(surface.material)] +
             ", distance " + number(numeric::length(surface.position - camera.eye()), 6) +
-            ", position " + vector(surface.position) + ", uv [" + number(surface.uv.x, 6) + ", " +
-            number(surface.uv.y, 6) + "]\n");
+            ", position " + vector(surface.position) + ", uv [" + number(uv.x, 6) + ", " +
+            number(uv.y, 6) + "]\n");
     }
 
     // ---- the scene's files ---------------------------------------------------------------------------
@@ -377,9 +419,7 @@ private:
         if (!services_.changed()) return;
         Reload fresh = services_.reload();
         errors_ = fresh.errors;
-        if (!fresh.stage)
-            return present(level_.full && !rendering_.valid() &&
-                           !pending_); // the last good picture stays
+        if (!fresh.stage) return present(); // the last good picture stays
         abandon();
         stage_ = std::move(fresh.stage);
         if (!moved_) fly_ = FlyCamera(stage_->description.camera);
@@ -397,6 +437,7 @@ private:
     double speed_ = 1;   // world units a key
     trace::Shade shade_ = trace::Shade::full;
     std::optional<std::uint32_t> frame_;
+    Clock::time_point playStart_; // when frame 0 was due
     bool playing_ = false, help_ = false, quit_ = false;
     std::optional<Event> pressed_, dragged_;
 
@@ -406,7 +447,8 @@ private:
     Level level_;                  // being rendered, or shown
     Picture shown_;
     std::vector<std::string> errors_;
-    double secondsPerPixel_ = 0, framesPerSecond_ = 0, megaraysPerSecond_ = 0;
+    double secondsPerPixel_ = 0, secondsToShow_ = 0; // of the last picture
+    double framesPerSecond_ = 0, megaraysPerSecond_ = 0;
     Clock::time_point lastShown_ = Clock::now(), lastWatch_ = Clock::now();
 };
 

@@ -277,8 +277,7 @@ TEST(Surface, KnowsWhatWasHit) {
     const Surface ball = geometry::surfaceAt(p, ray, tree.closest(ray));
     EXPECT_EQ(Vec3(1, 0, 5), ball.position);
     EXPECT_EQ(Vec3(1, 0, 0), ball.geometricNormal);
-    EXPECT_EQ(0, ball.uv.x);
-    EXPECT_EQ(0.5, ball.uv.y);
+    EXPECT_EQ(geometry::Vec2(0, 0.5), geometry::uvOf(ball));
     EXPECT_EQ(geometry::ObjectId{1}, ball.object);
 }
 

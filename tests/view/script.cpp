@@ -52,15 +52,18 @@ TEST(Script, HandsOverTheNextEventWhenAPictureFollowedOrTheViewerIsIdle) {
         *parsed("key w 2\nwait\n", diagnostics),
         [&](const ScriptDisplay::Shown& s) { first.push_back(s.firstSinceEvent); },
         [](Picture&, const std::vector<std::string>&) {});
-    const Picture picture{1, 1, {0, 0, 0}};
+    const Picture picture{1, 1, {0, 0, 0}}, brighter{1, 1, {1, 0, 0}};
+    const Detail coarse{1, 1, false};
+    display.show(picture, coarse);
     EXPECT_EQ(display.poll(0, true)->size(), 1u);
     EXPECT_EQ(display.poll(0, false)->size(), 0u); // nothing shown yet
-    display.show(picture, false);
-    display.show(picture, false);
+    display.show(picture, coarse);                 // of what was under way before the event
+    display.show(brighter, coarse);
+    display.show(picture, coarse);
     EXPECT_EQ(display.poll(0, false)->size(), 1u);
     EXPECT_EQ(display.poll(0, true)->size(), 0u); // wait, done
     EXPECT_FALSE(display.poll(0, true));          // the script's end closes the display
-    EXPECT_EQ(first, (std::vector<bool>{true, false}));
+    EXPECT_EQ(first, (std::vector<bool>{false, false, true, false}));
 }
 
 } // namespace rt::view
