@@ -19,6 +19,12 @@ struct InBlocks {
     }
 };
 
+/// Rows of pixels that are sampled together: a row of blocks, and as many as fill some bundles.
+std::uint32_t rowsOfBand(std::uint32_t width, std::uint32_t n) {
+    constexpr std::uint32_t kSamples = 256;
+    return std::max((kBlock + n - 1) / n, kSamples / (width * n * n));
+}
+
 } // namespace
 
 bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampling sampling,
@@ -26,11 +32,13 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
                 RayCounts& counts) {
     const Tiles tiles(region);
     const double first = sampling == scene::Sampling::center ? 0.5 : 0;
+    std::vector<double> offset(n); // of the samples from the corner of their pixel
+    for (std::uint32_t k = 0; k < n; ++k) offset[k] = (k + first) / n;
     return forEachPiece(
         tiles.count(), options, counts, 0, 1,
         [&](std::size_t index, Scratch& scratch, RayCounts& counted) {
             const Region tile = tiles[index];
-            const std::uint32_t rows = (kBlock + n - 1) / n; // of pixels that fill a row of blocks
+            const std::uint32_t rows = rowsOfBand(tile.width(), n);
             std::vector<PicturePoint> points;
             std::vector<LinearRgb> colors;
             for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += rows) {
@@ -39,21 +47,24 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
                 const InBlocks blocks{tile.width() * n, (y1 - y0) * n};
                 points.resize(blocks.count());
                 colors.resize(blocks.count());
-                for (std::uint32_t row = 0; row < blocks.height; ++row)
-                    for (std::uint32_t column = 0; column < blocks.width; ++column)
-                        points[blocks(column, row)] = {tile.x0 + column / n +
-                                                           (column % n + first) / n,
-                                                       y0 + row / n + (row % n + first) / n};
+                const auto forEachSample = [&](const auto& visit) {
+                    for (std::uint32_t y = y0; y < y1; ++y)
+                        for (std::uint32_t x = tile.x0; x < tile.x1; ++x)
+                            for (std::uint32_t row = 0; row < n; ++row)
+                                for (std::uint32_t column = 0; column < n; ++column)
+                                    visit(x, y, column, row,
+                                          blocks((x - tile.x0) * n + column, (y - y0) * n + row));
+                };
+                forEachSample([&](auto x, auto y, auto column, auto row, std::size_t i) {
+                    points[i] = {x + offset[column], y + offset[row]};
+                });
                 sampler(view, points, colors.data(), scratch, counted);
-                for (std::uint32_t y = y0; y < y1; ++y)
-                    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
-                        LinearRgb sum;
-                        for (std::uint32_t row = 0; row < n; ++row)
-                            for (std::uint32_t column = 0; column < n; ++column)
-                                sum +=
-                                    colors[blocks((x - tile.x0) * n + column, (y - y0) * n + row)];
-                        frame.at(x, y) = sum * (1.0 / (double(n) * n));
-                    }
+                const double share = 1.0 / (double(n) * n);
+                forEachSample([&](auto x, auto y, auto column, auto row, std::size_t i) {
+                    LinearRgb& pixel = frame.at(x, y);
+                    pixel += colors[i];
+                    if (column == n - 1 && row == n - 1) pixel *= share;
+                });
             }
         });
 }

@@ -40,7 +40,10 @@ public:
             front = next;
         }
     }
-    const numeric::LinearRgb& operator[](std::size_t sample) const { return sums_[sample]; }
+    /// To a sample without terms.
+    void add(std::uint32_t sample, const numeric::LinearRgb& value) { sums_[sample] += value; }
+    /// By sample.
+    const std::vector<numeric::LinearRgb>& sums() const { return sums_; }
 
 private:
     static constexpr Term kNone = 0xFFFFFFFFu;

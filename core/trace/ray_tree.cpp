@@ -139,13 +139,15 @@ RayTree tracePixel(const octree::Octree& octree, const world::World& world,
                 observer.mediaOfPrimary = mediaAt(stage, ray.origin);
                 sample.root = static_cast<std::uint32_t>(tree.nodes.size());
                 if (stage.transmits)
-                    Whitted<Features{true, Counting::none}, TreeObserver>(stage, scratch, counts,
-                                                                          observer)
-                        .radiance({&ray, 1}, &sample.light);
+                    sample.light = Whitted<Features{true, Counting::none}, TreeObserver>(
+                                       stage, scratch, counts, observer)
+                                       .radiance({&ray, 1})
+                                       .front();
                 else
-                    Whitted<Features{false, Counting::none}, TreeObserver>(stage, scratch, counts,
-                                                                           observer)
-                        .radiance({&ray, 1}, &sample.light);
+                    sample.light = Whitted<Features{false, Counting::none}, TreeObserver>(
+                                       stage, scratch, counts, observer)
+                                       .radiance({&ray, 1})
+                                       .front();
                 sumUp(tree.nodes, *sample.root);
                 sample.toned = toned(sample.light, description.image.tone);
             }

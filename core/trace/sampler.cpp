@@ -12,48 +12,43 @@ bool isFinite(const LinearRgb& c) {
     return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
-/// Camera rays of a batch: enough for the octree to trace them together, few enough for the caches.
-constexpr std::size_t kBatch = 256;
-
-/// The rays through some points of the picture, less those that never enter the scene's box: black.
-class CameraBatch {
-public:
-    /// At most kBatch points.
-    void fill(const View& view, std::span<const PicturePoint> points) {
-        count_ = 0;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            rays_[count_] = view.camera.through(points[i].column, points[i].row);
-            if (view.stage.box.clip(rays_[count_])) pointOf_[count_++] = i;
+/// Calls trace(rays, colors of the points) for batches of the points' rays; what never enters the
+/// scene's box is black.
+template <class Trace>
+void forEachBatch(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
+                  Scratch& scratch, const Trace& trace) {
+    // Enough for the octree to trace them together, few enough for the caches.
+    constexpr std::size_t kBatch = 256;
+    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+        auto& [rays, colorOf] = scratch.camera;
+        rays.clear();
+        colorOf.clear();
+        for (std::size_t i = first; i < std::min(first + kBatch, points.size()); ++i) {
+            colors[i] = {};
+            rays.push_back(view.camera.through(points[i].column, points[i].row));
+            if (view.stage.box.clip(rays.back()))
+                colorOf.push_back(colors + i);
+            else
+                rays.pop_back();
         }
+        trace(std::span<const geometry::Ray>(rays), std::span<LinearRgb* const>(colorOf));
     }
-    std::span<const geometry::Ray> rays() const { return {rays_, count_}; }
-    std::size_t pointOf(std::size_t ray) const { return pointOf_[ray]; }
-
-private:
-    geometry::Ray rays_[kBatch];
-    std::size_t pointOf_[kBatch];
-    std::size_t count_ = 0;
-};
+}
 
 template <Features kFeatures>
 void sampleLight(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
                  Scratch& scratch, RayCounts& counts) {
     NoObserver nobody;
     Whitted<kFeatures> whitted(view.stage, scratch, counts, nobody);
-    CameraBatch batch;
-    LinearRgb light[kBatch];
-    for (std::size_t first = 0; first < points.size(); first += kBatch) {
-        const auto some = points.subspan(first, std::min(kBatch, points.size() - first));
-        batch.fill(view, some);
-        whitted.radiance(batch.rays(), light);
-        std::fill_n(colors + first, some.size(), LinearRgb{});
-        for (std::size_t i = 0; i < batch.rays().size(); ++i) {
+    forEachBatch(view, points, colors, scratch, [&](auto rays, auto colorOf) {
+        const std::span<const LinearRgb> light = whitted.radiance(rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
             if (isFinite(light[i]))
-                colors[first + batch.pointOf(i)] = toned(light[i], view.tone);
+                *colorOf[i] = toned(light[i], view.tone);
             else
                 ++counts.notFinite;
         }
-    }
+    });
 }
 
 /// Nodes and primitives that all rays of the sample visited.
@@ -93,27 +88,23 @@ LinearRgb idColor(const geometry::Surface& surface, double) {
 /// Something of the first surface; black where there is none.
 template <LinearRgb (*kColor)(const geometry::Surface&, double distance)>
 void sampleFirstHit(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
-                    Scratch&, RayCounts& counts) {
-    CameraBatch batch;
-    geometry::Hit hits[kBatch];
-    for (std::size_t first = 0; first < points.size(); first += kBatch) {
-        const auto some = points.subspan(first, std::min(kBatch, points.size() - first));
-        batch.fill(view, some);
-        const auto rays = batch.rays();
+                    Scratch& scratch, RayCounts& counts) {
+    forEachBatch(view, points, colors, scratch, [&](auto rays, auto colorOf) {
         counts.primary += rays.size();
-        view.stage.octree.closest(rays, {hits, rays.size()}, octree::Coherence::coherent);
-        std::fill_n(colors + first, some.size(), LinearRgb{});
+        auto& hits = scratch.hits;
+        hits.resize(rays.size());
+        view.stage.octree.closest(rays, hits, octree::Coherence::coherent);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!hits[i]) continue;
             const auto surface = geometry::surfaceAt(view.stage.world.primitives, rays[i], hits[i]);
             const Vec3 fromEye = surface.position - view.camera.eye();
             const LinearRgb color = kColor(surface, std::sqrt(dot(fromEye, fromEye)));
             if (isFinite(color))
-                colors[first + batch.pointOf(i)] = color;
+                *colorOf[i] = color;
             else
                 ++counts.notFinite;
         }
-    }
+    });
 }
 
 } // namespace

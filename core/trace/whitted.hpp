@@ -80,6 +80,10 @@ struct ToLight {
 
 /// Memory of one thread; grows to what the scenes it has met need, then is never allocated again.
 struct Scratch {
+    struct {
+        std::vector<geometry::Ray> rays;
+        std::vector<LinearRgb*> colorOf;
+    } camera; // of the sampler
     std::vector<Work> pending;
     std::vector<Encounter> met;
     std::vector<geometry::Ray> rays;
@@ -103,16 +107,16 @@ public:
     Whitted(const Stage& stage, Scratch& scratch, RayCounts& counts, Observer& observer)
         : stage_(stage), scratch_(scratch), counts_(counts), observer_(observer) {}
 
-    /// light[i] becomes the linear light along primaries[i], which has a unit direction and was
-    /// clipped to the scene's box. Fastest when neighbours in the span are neighbours in the picture.
-    void radiance(std::span<const geometry::Ray> primaries, LinearRgb* light) {
-        start(primaries);
-        while (!scratch_.pending.empty()) {
-            meet();
+    /// The linear light along each ray, of unit direction and clipped to the scene's box; until the
+    /// next call. Fastest when neighbours in the span are neighbours in the picture.
+    std::span<const LinearRgb> radiance(std::span<const geometry::Ray> primaries) {
+        meetPrimaries(primaries);
+        for (;;) {
             shine(scratch_.met);
             for (const Encounter& encounter : scratch_.met) leave(encounter);
+            if (scratch_.pending.empty()) return scratch_.sums.sums();
+            meetPending();
         }
-        for (std::size_t i = 0; i < primaries.size(); ++i) light[i] = scratch_.sums[i];
     }
 
 private:
@@ -120,47 +124,59 @@ private:
         return kFeatures.counting != Counting::none ? &counts_.visits : nullptr;
     }
 
-    void start(std::span<const geometry::Ray> primaries) {
+    void meetPrimaries(std::span<const geometry::Ray> primaries) {
         counts_.primary += primaries.size();
         scratch_.pending.clear();
+        scratch_.met.clear();
         scratch_.sums.start(primaries.size());
+        closest(primaries);
+        Work work;
         for (std::uint32_t i = 0; i < primaries.size(); ++i) {
-            Work first;
-            first.ray = primaries[i];
-            first.sample = i;
-            first.term = scratch_.sums.first(i);
-            if constexpr (Observer::kActive) first.node = observer_.primary(first);
-            scratch_.pending.push_back(first);
+            work.ray = primaries[i];
+            work.sample = i;
+            if constexpr (kFeatures.transmission) work.term = scratch_.sums.first(i);
+            if constexpr (Observer::kActive) work.node = observer_.primary(work);
+            meet(work, scratch_.hits[i]);
         }
     }
 
-    /// Takes the last works and traces them: what they meet is in scratch_.met, in their order. Taking
-    /// the last, at most so many, keeps the memory that waits linear in the depth.
-    void meet() {
+    /// Takes the last works and traces them. Taking the last, at most so many, keeps the memory of those
+    /// that wait linear in the depth.
+    void meetPending() {
         constexpr std::size_t kMost = 256;
-        auto& [pending, met, rays, hits, toLight, occluded, sums, crossings, coincident] = scratch_;
+        auto& pending = scratch_.pending;
         const std::size_t first = pending.size() - std::min(pending.size(), kMost);
-        rays.clear();
-        for (std::size_t i = first; i < pending.size(); ++i) rays.push_back(pending[i].ray);
-        closest();
-        met.clear();
-        for (std::size_t i = first; i < pending.size(); ++i) {
-            const Work& work = pending[i];
-            if (const geometry::Hit& hit = hits[i - first]) {
-                met.push_back(encounter(
-                    work, hit, geometry::surfaceAt(stage_.world.primitives, work.ray, hit)));
-            } else {
-                const LinearRgb seen = stage_.background.seenBy(work.ray);
-                if constexpr (Observer::kActive) observer_.miss(work, seen);
-                sums.settle(work.sample, work.term, work.weight * seen);
-            }
-        }
+        scratch_.rays.clear();
+        for (std::size_t i = first; i < pending.size(); ++i)
+            scratch_.rays.push_back(pending[i].ray);
+        closest(scratch_.rays);
+        scratch_.met.clear();
+        for (std::size_t i = first; i < pending.size(); ++i)
+            meet(pending[i], scratch_.hits[i - first]);
         pending.resize(first);
     }
 
-    /// scratch_.hits of scratch_.rays.
-    void closest() {
-        const auto& rays = scratch_.rays;
+    void meet(const Work& work, const geometry::Hit& hit) {
+        if (hit) {
+            scratch_.met.push_back(
+                encounter(work, hit, geometry::surfaceAt(stage_.world.primitives, work.ray, hit)));
+        } else {
+            const LinearRgb seen = stage_.background.seenBy(work.ray);
+            if constexpr (Observer::kActive) observer_.miss(work, seen);
+            contribute(work, seen);
+        }
+    }
+
+    /// All that the ray itself adds, when its children have their terms.
+    void contribute(const Work& work, const LinearRgb& light) {
+        if constexpr (kFeatures.transmission)
+            scratch_.sums.settle(work.sample, work.term, work.weight * light);
+        else // one child at most: they come in order
+            scratch_.sums.add(work.sample, work.weight * light);
+    }
+
+    /// Fills scratch_.hits.
+    void closest(std::span<const geometry::Ray> rays) {
         scratch_.hits.resize(rays.size());
         if constexpr (kFeatures.counting == Counting::rays) {
             for (std::size_t i = 0; i < rays.size(); ++i)
@@ -294,7 +310,7 @@ private:
             if (!met.material->isOpaque())
                 if (!transmit(met, last)) mirror += met.material->transmission;
         if (!mirror.isBlack()) reflect(met, met.color * mirror, last);
-        scratch_.sums.settle(met.work.sample, met.work.term, met.work.weight * met.light);
+        contribute(met.work, met.light);
     }
 
     /// Its term goes behind `last`.
@@ -306,7 +322,7 @@ private:
         child.weight = met.work.weight * share;
         if (!admit(met.work, child)) return;
         child.ray = geometry::spawnRay(met.facing.surface, direction);
-        child.term = scratch_.sums.after(last);
+        if constexpr (kFeatures.transmission) child.term = scratch_.sums.after(last);
         push(child);
     }
 
