@@ -333,6 +333,9 @@ private:
     CompletionOptions completion_;
 };
 
+/// As the scene language has it.
+constexpr double kLeastError = 0.00001;
+
 formats::ImageFormat imageFormatNamed(const std::string& word) {
     parseChoice(word, kImageSuffixes);
     return *formats::imageFormatOf("." + word);
@@ -375,6 +378,7 @@ void Program::addRender() {
     c.option("--antialias", "none|fsaa4|grid=N|max_error=E",
              "Samples per pixel: one, 2x2 corners, NxN, or as many as the error asks for.",
              [&o](const std::string& word) {
+                 o.samples = word;
                  if (word == "none" || word == "fsaa4") {
                      o.overrides.push_back("render.antialias=" + word);
                  } else if (word.starts_with("grid=")) {
@@ -389,6 +393,18 @@ void Program::addRender() {
                                       scene::quoted(word) + ")");
                  }
              });
+    c.option("--max-error", "E",
+             "As many samples as bring the root mean square error of the picture, in linear light, "
+             "below E; the same as --antialias max_error=E.",
+             [&o](const std::string& word) {
+                 parseReal(word, kLeastError, 1);
+                 o.samples = "max_error=" + word;
+                 o.overrides.push_back("render.antialias={max_error: " + word + "}");
+             });
+    c.option("--time-budget", "TIME",
+             "As many samples as fit into 10s, 500ms or 2min of tracing; reports the error, and "
+             "--max-error with that number draws the same picture.",
+             [&o](const std::string& word) { o.timeBudget = parseDuration(word); });
     c.option("--depth", "N", "Reflections and refractions after the first hit.",
              [&o](const std::string& word) {
                  o.overrides.push_back("render.depth=" + std::to_string(parseWhole(word, 0, 1000)));

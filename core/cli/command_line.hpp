@@ -38,9 +38,11 @@ struct RenderOptions : SceneOptions {
     std::optional<std::array<std::uint32_t, 2>> pixel;
     trace::Shade shade = trace::Shade::full;
     ProgressStyle progress = ProgressStyle::automatic;
-    int quality = 95;     // JPEG
-    int threads = 0;      // 0: all that the process may use
-    bool resized = false; // --size is given
+    int quality = 95;                 // JPEG
+    int threads = 0;                  // 0: all that the process may use
+    bool resized = false;             // --size is given
+    std::optional<double> timeBudget; // seconds
+    std::string samples;              // what --antialias or --max-error asks for, or empty
     bool preview = false;
     bool trace = false;
     bool statistics = false;

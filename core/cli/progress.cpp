@@ -60,7 +60,7 @@ std::string Progress::line(double share, double seconds) const {
                 std::string(static_cast<std::size_t>(kBarWidth - filled), ' ') + "] ";
     }
     text += std::to_string(percent) + " %, " + spokenDuration(seconds);
-    // Every tile so far cost seconds / share on the average; the rest is taken to cost as much.
+    // The tiles so far are a fair sample of the picture: the others cost as much on the average.
     if (share > 0 && share < 1)
         text += ", " + spokenDuration(seconds * (1 - share) / share) + " left";
     return text;

@@ -13,6 +13,7 @@
 #include <core/trace/ray_tree.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include <unistd.h>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr scene::Code kEncodeFailed{606};
 constexpr std::uint32_t kPreviewDivisor = 4;
+constexpr double kLeastError = 0.00001; // as the scene language has it
 
 std::vector<std::string> previewOverrides(const scene::Image& image) {
     const auto quarter = [](std::uint32_t side) {
@@ -116,10 +118,30 @@ std::optional<LoadedScene> load(const RenderOptions& options, plugin_host::Catal
     if (loaded && options.preview)
         loaded = loadScene(options.scene, options, catalog, diagnostics,
                            previewOverrides(loaded->description.image));
+    if (loaded && options.timeBudget) {
+        auto& antialias = loaded->description.render.antialias;
+        if (!std::holds_alternative<scene::AntialiasMaxError>(antialias))
+            antialias = scene::AntialiasMaxError{kLeastError};
+    }
     return loaded;
 }
 
+std::string errorReached(double estimate) {
+    char text[32];
+    char* const end = std::to_chars(text, text + sizeof text, std::max(estimate, kLeastError)).ptr;
+    return "estimated error " + std::string(text, end) + ": --max-error " + std::string(text, end) +
+           " draws the same picture\n";
+}
+
 void requireSense(const RenderOptions& options) {
+    if (options.timeBudget) {
+        const char* const hint = "--time-budget chooses the samples of the full picture itself";
+        if (!options.samples.empty() && !options.samples.starts_with("max_error="))
+            throw UsageError(
+                "--time-budget and --antialias " + options.samples + " exclude each other", hint);
+        if (options.preview || options.shade != trace::Shade::full || options.trace)
+            throw UsageError("--time-budget goes without --preview, --shade and --trace", hint);
+    }
     if (options.trace != options.pixel.has_value())
         throw UsageError(options.trace ? "--trace needs --pixel X,Y" : "--pixel needs --trace",
                          "such as --pixel 320,240 --trace");
@@ -189,6 +211,7 @@ int render(const RenderOptions& options, Console& console) {
     traceOptions.stop = &stopRequested();
     traceOptions.progress = [&](double done) { progress.show(share = done); };
     traceOptions.count = options.statistics;
+    traceOptions.timeBudget = options.timeBudget;
     trace::Result result = trace::render(tree, *world, description, traceOptions);
     progress.finish(result.complete ? 1 : share);
     if (options.crop) result.frame = cut(result.frame, *options.crop);
@@ -205,6 +228,7 @@ int render(const RenderOptions& options, Console& console) {
     phases.end();
     for (const Output& output : outputs)
         if (output.path != "-") console.result(output.path + "\n");
+    if (options.timeBudget) console.table(errorReached(*result.estimatedError));
     if (options.statistics)
         reportStatistics({phases, options, description, *world, tree.statistics(), result, threads},
                          console, diagnostics);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <charconv>
 #include <cstring>
 
 #include <sys/resource.h>
@@ -91,6 +92,11 @@ std::string padded(std::string left, std::size_t width) {
     return left;
 }
 
+std::string shortest(double value) {
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
 std::string asTable(const Statistics& s) {
     constexpr std::size_t kNameWidth = 24, kNumberWidth = 16;
     std::string text;
@@ -123,6 +129,7 @@ std::string asTable(const Statistics& s) {
     row("cut by depth", grouped(c.cutByDepth));
     row("cut by contribution", grouped(c.cutByContribution));
     row("not finite", grouped(c.notFinite));
+    if (s.result.estimatedError) row("estimated error", shortest(*s.result.estimatedError));
     row("primitives", grouped(s.world.primitives.count()));
     row("octree depth", grouped(s.tree.depth));
     row("  nodes", grouped(s.tree.nodes));

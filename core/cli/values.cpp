@@ -64,6 +64,21 @@ double parseReal(std::string_view word, double min, double max) {
     return value;
 }
 
+double parseDuration(std::string_view word) {
+    constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 0.001}, {"min", 60}, {"s", 1}};
+    std::string_view digits = word;
+    double unit = 1;
+    for (const auto& [suffix, seconds] : kUnits)
+        if (digits.size() == word.size() && word.ends_with(suffix))
+            digits.remove_suffix(suffix.size()), unit = seconds;
+    double value = 0;
+    const char* const end = digits.data() + digits.size();
+    const auto [rest, error] = std::from_chars(digits.data(), end, value);
+    if (error != std::errc() || rest != end || !std::isfinite(value) || !(value > 0))
+        refuse("must be a time above 0, such as 10s, 500ms or 2min", word);
+    return value * unit;
+}
+
 Size parseSize(std::string_view word) {
     const auto parts = split(word, 'x');
     Size size{};

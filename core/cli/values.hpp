@@ -26,6 +26,8 @@ using Rectangle = std::array<std::uint32_t, 4>;
 /// All throw UsageError with a sentence that starts with what the word must be.
 std::uint32_t parseWhole(std::string_view word, std::uint32_t min, std::uint32_t max);
 double parseReal(std::string_view word, double min, double max);
+/// Seconds, above 0: `10s`, `500ms`, `2min`, or a number of seconds.
+double parseDuration(std::string_view word);
 Size parseSize(std::string_view word);
 Rectangle parseRectangle(std::string_view word);
 std::array<std::uint32_t, 2> parsePixel(std::string_view word);

@@ -143,75 +143,85 @@ std::shared_ptr<const view::Stage> loadStage(const ViewOptions& options,
                  : nullptr;
 }
 
-/// How soon the pictures followed the events.
+/// How soon pictures followed events.
 class Latencies {
 public:
     void add(const view::ScriptDisplay::Shown& shown) {
-        if (!shown.firstSinceEvent) return;
-        seconds_.push_back(shown.secondsSinceEvent);
-        pixels_.push_back({std::size_t(shown.detail.width) * shown.detail.height, shown.detail});
+        if (shown.firstSinceEvent) all_.push_back({shown.secondsSinceEvent, shown.detail});
     }
-    /// Empty without events that changed the picture.
-    std::string report() {
-        if (seconds_.empty()) return {};
-        const auto middle = static_cast<std::ptrdiff_t>(seconds_.size() / 2);
-        std::nth_element(seconds_.begin(), seconds_.begin() + middle, seconds_.end());
-        std::nth_element(pixels_.begin(), pixels_.begin() + middle, pixels_.end(),
-                         [](const auto& a, const auto& b) { return a.first < b.first; });
-        const double median = seconds_[static_cast<std::size_t>(middle)];
-        const view::Detail& size = pixels_[static_cast<std::size_t>(middle)].second;
-        const double largest = *std::max_element(seconds_.begin(), seconds_.end());
-        return "event to first changed picture: median " + milliseconds(median) + ", largest " +
-               milliseconds(largest) + " of " + std::to_string(seconds_.size()) + "; " +
-               std::to_string(static_cast<int>(1 / median)) + " pictures/s of " +
-               std::to_string(size.width) + "x" + std::to_string(size.height) + "\n";
+    /// One line; empty without events that changed the picture.
+    std::string report() const {
+        if (all_.empty()) return {};
+        auto bySeconds = all_, bySize = all_;
+        std::sort(bySeconds.begin(), bySeconds.end(),
+                  [](const One& a, const One& b) { return a.seconds < b.seconds; });
+        std::sort(bySize.begin(), bySize.end(),
+                  [](const One& a, const One& b) { return a.detail.width < b.detail.width; });
+        const double median = bySeconds[all_.size() / 2].seconds;
+        const view::Detail& size = bySize[all_.size() / 2].detail;
+        return std::to_string(all_.size()) + " events changed the picture, after " +
+               fixed(median * 1000) + " ms (median; at most " +
+               fixed(bySeconds.back().seconds * 1000) + " ms): " + fixed(1 / median) +
+               " pictures/s of " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+               "\n";
     }
 
 private:
-    static std::string milliseconds(double seconds) {
-        char text[32];
-        char* const end =
-            std::to_chars(text, text + sizeof text, seconds * 1000, std::chars_format::fixed, 1)
-                .ptr;
-        return std::string(text, end) + " ms";
+    struct One {
+        double seconds;
+        view::Detail detail;
+    };
+    static std::string fixed(double value) {
+        char text[64];
+        return {text,
+                std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 1).ptr};
     }
-    std::vector<double> seconds_;
-    std::vector<std::pair<std::size_t, view::Detail>> pixels_;
+    std::vector<One> all_;
 };
 
 /// DIR/0001.png … and DIR/shown.tsv: file, is it final, milliseconds since the last event, is it the first that
-/// differs since, size as traced.
+/// differs since, size as traced. Written when nothing is under way that it would slow down.
 class Recorder {
 public:
     Recorder(std::string folder, scene::Encoding encoding)
         : folder_(std::move(folder)), encoding_(encoding) {}
 
     void operator()(const view::ScriptDisplay::Shown& shown) {
-        latencies_.add(shown);
         if (folder_.empty()) return;
-        const std::string name = fourDigits(++count_) + ".png";
-        writePng(folder_ + '/' + name, shown.picture, encoding_);
+        latencies_.add(shown);
+        const std::string name = fourDigits(count_ + waiting_.size() + 1) + ".png";
+        const view::Detail& detail = shown.detail;
         char milliseconds[32] = "-";
         if (std::isfinite(shown.secondsSinceEvent))
             *std::to_chars(milliseconds, milliseconds + 31, shown.secondsSinceEvent * 1000,
                            std::chars_format::fixed, 2)
                  .ptr = 0;
-        const view::Detail& detail = shown.detail;
         table_ += name + '\t' + (detail.final ? "final" : "coarse") + '\t' + milliseconds + '\t' +
                   (shown.firstSinceEvent ? "first" : "-") + '\t' + std::to_string(detail.width) +
                   'x' + std::to_string(detail.height) + '\n';
+        waiting_.push_back(shown.picture);
+        constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+        if (detail.final || waiting_.size() * shown.picture.rgb.size() > kMostBytes) write();
     }
-    void finish(Console& console) {
+    void finish(const Console& console) {
         if (folder_.empty()) return;
-        console.table(latencies_.report());
+        write();
         const auto* bytes = reinterpret_cast<const std::byte*>(table_.data());
         formats::writeFileAtomically(folder_ + "/shown.tsv", {bytes, bytes + table_.size()});
+        console.table(latencies_.report());
     }
 
 private:
+    void write() {
+        for (const view::Picture& picture : waiting_)
+            writePng(folder_ + '/' + fourDigits(++count_) + ".png", picture, encoding_);
+        waiting_.clear();
+    }
+
     std::string folder_;
     scene::Encoding encoding_;
-    std::size_t count_ = 0;
+    std::vector<view::Picture> waiting_;
+    std::size_t count_ = 0; // written
     std::string table_;
     Latencies latencies_;
 };

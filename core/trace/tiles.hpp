@@ -22,16 +22,18 @@ struct Region {
     std::uint32_t height() const { return y1 - y0; }
 };
 
-/// The tiles of a region, row by row.
+/// The tiles of a region, neighbours far apart: at any time those that are done are a fair sample of
+/// the picture, and so is their cost, from which the time that is left is told.
 class Tiles {
 public:
     explicit Tiles(const Region& region);
     std::size_t count() const { return std::size_t(columns_) * rows_; }
-    Region operator[](std::size_t index) const;
+    Region operator[](std::size_t number) const;
 
 private:
     Region region_;
     std::uint32_t columns_, rows_;
+    std::size_t stride_; // has no divisor in common with count()
 };
 
 } // namespace rt::trace

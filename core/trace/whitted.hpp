@@ -158,8 +158,8 @@ private:
 
     void meet(const Work& work, const geometry::Hit& hit) {
         if (hit) {
-            scratch_.met.push_back(
-                encounter(work, hit, geometry::surfaceAt(stage_.world.primitives, work.ray, hit)));
+            encounter(scratch_.met.emplace_back(), work, hit,
+                      geometry::surfaceAt(stage_.world.primitives, work.ray, hit));
         } else {
             const LinearRgb seen = stage_.background.seenBy(work.ray);
             if constexpr (Observer::kActive) observer_.miss(work, seen);
@@ -198,29 +198,28 @@ private:
         }
     }
 
-    Encounter encounter(const Work& work, const geometry::Hit& hit,
-                        const geometry::Surface& surface) {
+    void encounter(Encounter& met, const Work& work, const geometry::Hit& hit,
+                   const geometry::Surface& surface) {
         if constexpr (kFeatures.counting != Counting::none)
             ++counts_.hits[static_cast<std::size_t>(surface.segment->kind)];
-        const auto material =
-            stage_.world.materials.data() + static_cast<std::uint32_t>(surface.material);
-        Encounter met{work,
-                      hit,
-                      face(surface, work.ray.direction),
-                      material,
-                      colorAt(stage_.world, *material, surface),
-                      {}};
-        if constexpr (Observer::kActive) observer_.hit(work, hit, met.facing, *material, met.color);
-        return met;
+        met.work = work;
+        met.hit = hit;
+        met.facing.surface = surface;
+        face(met.facing, work.ray.direction);
+        met.material = stage_.world.materials.data() + static_cast<std::uint32_t>(surface.material);
+        met.color = colorAt(stage_.world, *met.material, surface);
+        met.light = {};
+        if constexpr (Observer::kActive)
+            observer_.hit(work, hit, met.facing, *met.material, met.color);
     }
 
-    static Facing face(const geometry::Surface& surface, const Vec3& direction) {
-        const bool leaving = dot(direction, surface.geometricNormal) > 0;
-        Facing facing{surface, leaving ? -surface.shadingNormal : surface.shadingNormal,
-                      leaving ? -surface.geometricNormal : surface.geometricNormal, leaving};
+    static void face(Facing& facing, const Vec3& direction) {
+        geometry::Surface& surface = facing.surface;
+        facing.leaving = dot(direction, surface.geometricNormal) > 0;
+        facing.normal = facing.leaving ? -surface.shadingNormal : surface.shadingNormal;
+        facing.geometric = facing.leaving ? -surface.geometricNormal : surface.geometricNormal;
         // Rays leave from beyond a second surface that coincides with this one: its bound too.
-        facing.surface.error += surface.error;
-        return facing;
+        surface.error += surface.error;
     }
 
     /// Sums the lights up in `light` of each.
@@ -366,7 +365,8 @@ private:
             geometry::Surface end = *also->opaque;
             end.error += from.error;
             if constexpr (Observer::kActive) observer_.starts(child);
-            Encounter contact = encounter(child, also->opaqueHit, end);
+            Encounter contact;
+            encounter(contact, child, also->opaqueHit, end);
             shine({&contact, 1});
             leave(contact);
             last = child.term;

@@ -215,12 +215,6 @@ private:
         const auto& image = stage_->description.image;
         const Detail detail{level_.of(image.width), level_.of(image.height),
                             level_.full && !rendering_.valid() && !pending_};
-        if (!options_.overlay && errors_.empty() && !help_) {
-            display_.show(shown_, detail);
-            secondsToShow_ = secondsSince(start);
-            return;
-        }
-        Picture annotated = shown_;
         std::vector<std::string> lines;
         if (options_.overlay)
             lines.push_back(number(framesPerSecond_, 3) + " fps  " + level_.name(image) + "  " +
@@ -228,9 +222,14 @@ private:
                             (frame_ ? "  frame " + std::to_string(*frame_) : ""));
         if (help_) lines.insert(lines.end(), helpLines().begin(), helpLines().end());
         lines.insert(lines.end(), errors_.begin(), errors_.end());
-        display_.annotate(annotated, lines);
-        display_.show(annotated, detail);
-        secondsToShow_ = secondsSince(start);
+        if (lines.empty()) {
+            display_.show(shown_, detail);
+        } else {
+            Picture annotated = shown_;
+            display_.annotate(annotated, lines);
+            display_.show(annotated, detail);
+        }
+        if (!detail.final) secondsToShow_ = secondsSince(start); // a replay saves the final ones
     }
 
     // ---- input ---------------------------------------------------------------------------------------

@@ -155,6 +155,29 @@ std::vector<Options::Case> Options::cases() {
         {"render", "--antialias", "render scene.yaml -o a.pfm --antialias grid=3",
          differsFromPlain(), "render scene.yaml --antialias 4x",
          render + "--antialias: must be none, fsaa4, grid=N or max_error=E (got '4x')" + see},
+        {"render", "--max-error", "render scene.yaml -o a.pfm --max-error 0.02",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             rt("render scene.yaml -o b.pfm --antialias max_error=0.02");
+             EXPECT_EQ(read("a.pfm"), read("b.pfm"));
+             EXPECT_NE(read("a.pfm"), read("plain.pfm"));
+         },
+         "render scene.yaml --max-error 0",
+         render + "--max-error: must be a number from 1e-05 to 1 (got '0')" + see},
+        {"render", "--time-budget", "render scene.yaml -o a.pfm --time-budget 50ms",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             std::smatch found;
+             ASSERT_TRUE(std::regex_match(
+                 o.err, found,
+                 std::regex("estimated error (\\S+): --max-error \\1 draws the same picture\n")))
+                 << o.err;
+             rt("render scene.yaml -o b.pfm --max-error " + found[1].str());
+             EXPECT_EQ(read("a.pfm"), read("b.pfm"));
+         },
+         "render scene.yaml --time-budget soon",
+         render + "--time-budget: must be a time above 0, such as 10s, 500ms or 2min (got 'soon')" +
+             see},
         {"render", "--depth", "render scene.yaml -o a.pfm --depth 0", differsFromPlain(),
          "render scene.yaml --depth -1",
          render + "--depth: must be a whole number from 0 to 1000 (got '-1')" + see},

@@ -477,6 +477,11 @@ TEST_F(Stats, AddUp) {
     EXPECT_GT(json["rays"]["shadow"], 0);
     EXPECT_GT(json["tests"]["spheres"], 0);
     EXPECT_EQ(json["tests"]["triangles"], 0);
+    EXPECT_GT(json["hits"]["spheres"], 0);
+    EXPECT_LE(json["hits"]["spheres"].get<int>(),
+              json["rays"]["primary"].get<int>() + json["rays"]["reflected"].get<int>());
+    EXPECT_EQ(json["hits"]["triangles"], 0);
+    EXPECT_LE(json["hits"]["blocked_shadow"], json["rays"]["shadow"]);
     EXPECT_EQ(json["not_finite"], 0);
     EXPECT_GT(json["peak_memory_bytes"], 1'000'000);
     std::uint64_t leaves = 0;
@@ -496,7 +501,7 @@ TEST_F(Stats, CountTheSameOnAnyNumberOfThreads) {
     rt("render scene.yaml -o a.pfm --stats=7.json -t 7");
     const auto one = nlohmann::json::parse(read("1.json")),
                seven = nlohmann::json::parse(read("7.json"));
-    for (const char* const key : {"rays", "tests", "octree", "deepest_recursion", "cut_by_depth",
+    for (const char* const key : {"rays", "tests", "hits", "octree", "deepest_recursion", "cut_by_depth",
                                   "cut_by_contribution", "not_finite"})
         EXPECT_EQ(one[key], seven[key]) << key;
 }
@@ -506,6 +511,7 @@ TEST_F(Stats, AreATableOnStderr) {
     EXPECT_EQ(outcome.out, "a.pfm\n");
     for (const char* const row :
          {"phase", "  trace", "rays", "  primary                          3 072", "tests",
+          "nearest hits",
           "  spheres", "octree depth", "peak memory"})
         EXPECT_NE(outcome.err.find(row), std::string::npos) << row;
     for (const std::string& line : linesOf(outcome.err)) {
