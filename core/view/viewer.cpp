@@ -327,8 +327,9 @@ private:
             return restart();
         case ' ':
             playing_ = !playing_ && hasFrames();
+            if (!playing_) return restart();
             playStart_ = Clock::now() - framesAsTime(frame_.value_or(0));
-            return playing_ ? void() : restart();
+            return;
         case ',':
             return stepFrame(-1);
         case '.':
@@ -423,6 +424,7 @@ private:
         stage_ = std::move(fresh.stage);
         if (!moved_) fly_ = FlyCamera(stage_->description.camera);
         frame_.reset();
+        playing_ = playing_ && hasFrames();
         restart();
     }
 
