@@ -11,7 +11,7 @@ constexpr int kRays = 16;
 
 // Bundles against single rays: octree_bench, bunny and stadium, primary and shadow rays.
 constexpr int kFewInNode = 2; // so many rays or fewer go on one by one below a node
-constexpr int kFewInLeaf = 3; // so many or fewer test a leaf one by one
+constexpr int kFewInLeaf = 3; // so many or fewer test a leaf one by one; >= kFewInNode
 constexpr std::size_t kWorthBundle = 4;
 
 /// All boxes that any of the rays may meet, at once for the 8 children of a node.
@@ -38,9 +38,9 @@ struct alignas(64) Bundle {
     float cap[kRays];   // of limit: -1 or infinity
     double perT[kRays], shift[kRays];
     // as Frame
-    double origin[3][kRays], direction[3][kRays];
+    double origin[3][kRays];
     double shearX[kRays], shearY[kRays], shearZ[kRays];
-    double squared[kRays], inverseSquared[kRays];
+    double direction[3][kRays], squared[kRays], inverseSquared[kRays]; // where there are spheres
     // as Best; t of an occlusion query is the last that counts
     double t[kRays], u[kRays], v[kRays];
     std::uint32_t id[kRays], exclude[kRays];
@@ -99,18 +99,15 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     b.kx = b.kz == 2 ? 0 : b.kz + 1;
     b.ky = b.kx == 2 ? 0 : b.kx + 1;
 
-    alignas(64) double moved[3][kRays], extra[kRays];
-    alignas(64) double inverse[3][kRays], unit[3][kRays];
+    alignas(64) double moved[3][kRays], inverse[3][kRays], extra[kRays];
     unsigned isNear = 0xFFFF;
     for (int g = 0; g < 2; ++g) {
         const int at = g * kLanes;
         for (int axis = 0; axis < 3; ++axis) {
             const F64 o = column[g][kOrigin + axis], d = column[g][kDirection + axis];
             store(b.origin[axis] + at, o);
-            store(b.direction[axis] + at, d);
             const F64 n = d * factor[g];
             const F64 clamped = withSignOf(larger(magnitude(n), all(kSmallestDirection)), n);
-            store(unit[axis] + at, clamped);
             store(inverse[axis] + at, all(1.0) / clamped);
             const F64 scaled = (o - all(tree.center[axis])) * all(tree.scale);
             store(moved[axis] + at, scaled);
@@ -121,8 +118,6 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         store(b.shift + at, all(0.0));
         store(extra + at, all(0.0));
         store(b.t + at, column[g][kTMax]);
-        store(b.u + at, all(0.0));
-        store(b.v + at, all(0.0));
         const F64 shearZ = load(inverse[b.kz] + at) * factor[g];
         store(b.shearZ + at, shearZ);
         store(b.shearX + at, column[g][kDirection + b.kx] * shearZ);
@@ -130,6 +125,9 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         if (tree.hasSpheres) {
             const F64 x = column[g][kDirection], y = column[g][kDirection + 1],
                       z = column[g][kDirection + 2];
+            store(b.direction[0] + at, x);
+            store(b.direction[1] + at, y);
+            store(b.direction[2] + at, z);
             const F64 squared = (x * x + y * y) + z * z;
             store(b.squared + at, squared);
             store(b.inverseSquared + at, all(1.0) / squared);
@@ -147,7 +145,8 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         }
         if (!(distance <= kTooFar)) return false; // or NaN
         const double inverses[3] = {inverse[0][i], inverse[1][i], inverse[2][i]};
-        const double direction[3] = {unit[0][i], unit[1][i], unit[2][i]};
+        alignas(32) double direction[4];
+        store(direction, clampedDirection(normalized(rays[i])));
         if (!moveNear(inverses, direction, distance, at, b.shift[i], extra[i]))
             b.active &= ~(1u << i);
         if (extra[i] > mostExtra) mostExtra = extra[i];
@@ -496,11 +495,11 @@ template <bool kAny>
     return result;
 }
 
-inline Frame frameAt(const Bundle& b, int i) {
+inline Frame frameAt(const Bundle& b, const Ray& ray, int i) {
     Frame f;
     for (int axis = 0; axis < 3; ++axis) {
-        f.origin[axis] = b.origin[axis][i];
-        f.direction[axis] = b.direction[axis][i];
+        f.origin[axis] = (&ray.origin.x)[axis];
+        f.direction[axis] = (&ray.direction.x)[axis];
     }
     f.kx = b.kx;
     f.ky = b.ky;
@@ -541,7 +540,7 @@ inline unsigned take(Bundle& b, int i, const Best& best) {
 template <bool kCount, bool kAny>
 [[gnu::noinline]] unsigned aloneFrom(const TreeView& tree, std::uint32_t reference, const Ray& ray,
                                      const Order& order, Bundle& b, int i, Visits* visits) {
-    const Frame f = frameAt(b, i);
+    const Frame f = frameAt(b, ray, i);
     if (kAny)
         return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(b, i),
                                                      b.limit[i], f, b.exclude[i], b.t[i], visits))
@@ -559,7 +558,7 @@ template <bool kCount, bool kAny>
     unsigned result = 0;
     for (; active; active &= active - 1) {
         const int i = __builtin_ctz(active);
-        const Frame f = frameAt(b, i);
+        const Frame f = frameAt(b, rays[i], i);
         if (kAny) {
             result |= static_cast<unsigned>(
                           anyInRecord<kCount>(tree, leaf, rays[i], f, b.exclude[i], b.t[i], visits))
@@ -645,47 +644,54 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     float enters[kStackSize];
     std::size_t top = 0;
     std::uint32_t current = 0;
+    bool entersNode = true;
     for (;;) {
-        if (kCount) ++visits->nodes;
+        std::uint32_t child; // 8 · node + slot
+        unsigned mask = 0;
         F32 enter;
-        const unsigned mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
-        pushSlots(order, current << 3, enter, mask, slots, enters, top);
-        for (;;) {
-            if (top == 0) return;
-            --top;
-            if (enters[top] > limit) continue;
-            const Node& node = tree.nodes[slots[top] >> 3];
-            const unsigned slot = slots[top] & 7;
-            unsigned met = meetChild(node, slot, b) & b.active;
-            if (!met) continue;
-            const std::uint32_t reference = node.child[slot];
-            const int rayCount = __builtin_popcount(met);
-            const bool isLeaf = reference & kLeaf;
-            unsigned result = 0;
-            if (rayCount <= (isLeaf ? kFewInLeaf : kFewInNode))
-                for (; met; met &= met - 1) {
-                    const int i = __builtin_ctz(met);
-                    result |=
-                        aloneFrom<kCount, kAny>(tree, reference, rays[i], order, b, i, visits);
-                }
-            else if (isLeaf)
-                result = bundleInLeaf<kCount, kAny>(tree, reference, rays, b, met, visits);
-            else {
-                current = reference;
-                break;
+        if (entersNode) {
+            if (kCount) ++visits->nodes;
+            mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
+        }
+        if (mask) {
+            const unsigned nearest = kTables.nearest[b.mirror][mask];
+            pushSlots(order, current << 3, enter, mask & ~(1u << nearest), slots, enters, top);
+            child = current << 3 | nearest;
+        } else {
+            do {
+                if (top == 0) return;
+                --top;
+            } while (enters[top] > limit);
+            child = slots[top];
+        }
+        const Node& node = tree.nodes[child >> 3];
+        const unsigned slot = child & 7;
+        unsigned met = meetChild(node, slot, b) & b.active;
+        const std::uint32_t reference = node.child[slot];
+        const int rayCount = __builtin_popcount(met);
+        const bool isLeaf = reference & kLeaf;
+        entersNode = rayCount > kFewInNode && !isLeaf;
+        if (entersNode) {
+            current = reference;
+            continue;
+        }
+        unsigned result = 0;
+        if (rayCount > kFewInLeaf)
+            result = bundleInLeaf<kCount, kAny>(tree, reference, rays, b, met, visits);
+        else
+            for (; met; met &= met - 1) {
+                const int i = __builtin_ctz(met);
+                result |= aloneFrom<kCount, kAny>(tree, reference, rays[i], order, b, i, visits);
             }
-            if (!result) continue;
-            if (kAny) {
-                b.found |= result;
-                b.active &= ~result;
-                if (!b.active) return;
-                for (; result; result &= result - 1) {
-                    b.limit[__builtin_ctz(result)] = -1;
-                }
-                limit = largestOf(loadWide(b.limit));
-            } else {
-                limit = setLimits(b);
-            }
+        if (!result) continue;
+        if (kAny) {
+            b.found |= result;
+            b.active &= ~result;
+            if (!b.active) return;
+            for (; result; result &= result - 1) b.limit[__builtin_ctz(result)] = -1;
+            limit = largestOf(loadWide(b.limit));
+        } else {
+            limit = setLimits(b);
         }
     }
 }

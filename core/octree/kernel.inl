@@ -62,7 +62,7 @@ struct Normalized {
     bool isFinite;
 };
 
-inline Normalized normalized(const Ray& ray) {
+[[gnu::always_inline]] inline Normalized normalized(const Ray& ray) {
     const double* const d = &ray.direction.x;
     double largest = absolute(d[0]);
     largest = absolute(d[1]) > largest ? absolute(d[1]) : largest;
@@ -76,10 +76,14 @@ inline Normalized normalized(const Ray& ray) {
                 absolute(d[2]) < __builtin_inf()};
 }
 
+inline Quad clampedDirection(const Normalized& n) {
+    return withSignOf(larger(magnitude(n.direction), allQuad(kSmallestDirection)), n.direction);
+}
+
 /// Moves a far origin along its ray to the cube; false if the ray misses that. `distance`: the largest
 /// |at|; `shift`: how far, in lengths of direction; `extra`: what to add to the slack.
-inline bool moveNear(const double* inverses, const double* direction, double distance, double* at,
-                     double& shift, double& extra) {
+[[gnu::noinline]] bool moveNear(const double* inverses, const double* direction, double distance,
+                                double* at, double& shift, double& extra) {
     extra = kFarSlack * distance;
     double in = 0, out = __builtin_inf();
     for (int i = 0; i < 3; ++i) {
@@ -95,16 +99,15 @@ inline bool moveNear(const double* inverses, const double* direction, double dis
 }
 
 /// `inverses`: of the normalized direction, exact where it is not tiny.
-inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray, const Normalized& n,
-                       double inverses[4]) {
+[[gnu::always_inline]] inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray,
+                                              const Normalized& n, double inverses[4]) {
     BoxRay b;
     b.perT = tree.scale * n.inverse;
     if (!(b.perT > kLeastScale)) b.perT = __builtin_inf(); // underflow: t prunes nothing
     b.shift = 0;
     b.misses = !n.isFinite;
     b.mirror = signsOf(n.direction);
-    const Quad d =
-        withSignOf(larger(magnitude(n.direction), allQuad(kSmallestDirection)), n.direction);
+    const Quad d = clampedDirection(n);
     const Quad inverse = allQuad(1.0) / d;
     Quad o = withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
     store(inverses, inverse);
@@ -199,8 +202,8 @@ struct Frame {
     double squared, inverseSquared;
 };
 
-inline Frame frameOf(const TreeView& tree, const Ray& ray, const Normalized& n,
-                     const double inverses[4]) {
+[[gnu::always_inline]] inline Frame frameOf(const TreeView& tree, const Ray& ray,
+                                            const Normalized& n, const double inverses[4]) {
     Frame f;
     f.origin[0] = ray.origin.x;
     f.origin[1] = ray.origin.y;

@@ -67,22 +67,24 @@ inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
 
 /// columns[i]: double i of 8 rays.
 inline void transpose(const geometry::Ray* rays, F64 columns[8]) {
-    __m512d row[8], pair[8];
-    for (int i = 0; i < 8; ++i) row[i] = _mm512_loadu_pd(rays + i);
-    for (int i = 0; i < 4; ++i) {
-        pair[2 * i] = _mm512_unpacklo_pd(row[2 * i], row[2 * i + 1]);
-        pair[2 * i + 1] = _mm512_unpackhi_pd(row[2 * i], row[2 * i + 1]);
-    }
-    for (int odd = 0; odd < 2; ++odd) {
-        const __m512d low04 = _mm512_shuffle_f64x2(pair[odd], pair[2 + odd], 0x88);
-        const __m512d low26 = _mm512_shuffle_f64x2(pair[odd], pair[2 + odd], 0xDD);
-        const __m512d high04 = _mm512_shuffle_f64x2(pair[4 + odd], pair[6 + odd], 0x88);
-        const __m512d high26 = _mm512_shuffle_f64x2(pair[4 + odd], pair[6 + odd], 0xDD);
-        columns[odd].v = _mm512_shuffle_f64x2(low04, high04, 0x88);
-        columns[4 + odd].v = _mm512_shuffle_f64x2(low04, high04, 0xDD);
-        columns[2 + odd].v = _mm512_shuffle_f64x2(low26, high26, 0x88);
-        columns[6 + odd].v = _mm512_shuffle_f64x2(low26, high26, 0xDD);
-    }
+    const auto* const p = reinterpret_cast<const double*>(rays);
+    const auto row = [&](int i) { return _mm512_loadu_pd(p + 8 * i); };
+    const auto four = [](__m512d a, __m512d b, __m512d c, __m512d d, F64* low, F64* high) {
+        const __m512d ab04 = _mm512_shuffle_f64x2(a, b, 0x88),
+                      cd04 = _mm512_shuffle_f64x2(c, d, 0x88);
+        const __m512d ab26 = _mm512_shuffle_f64x2(a, b, 0xDD),
+                      cd26 = _mm512_shuffle_f64x2(c, d, 0xDD);
+        low[0].v = _mm512_shuffle_f64x2(ab04, cd04, 0x88);
+        high[0].v = _mm512_shuffle_f64x2(ab04, cd04, 0xDD);
+        low[2].v = _mm512_shuffle_f64x2(ab26, cd26, 0x88);
+        high[2].v = _mm512_shuffle_f64x2(ab26, cd26, 0xDD);
+    };
+    const __m512d r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3), r4 = row(4), r5 = row(5),
+                  r6 = row(6), r7 = row(7);
+    four(_mm512_unpacklo_pd(r0, r1), _mm512_unpacklo_pd(r2, r3), _mm512_unpacklo_pd(r4, r5),
+         _mm512_unpacklo_pd(r6, r7), columns, columns + 4);
+    four(_mm512_unpackhi_pd(r0, r1), _mm512_unpackhi_pd(r2, r3), _mm512_unpackhi_pd(r4, r5),
+         _mm512_unpackhi_pd(r6, r7), columns + 1, columns + 5);
 }
 
 inline F32 operator-(F32 a, F32 b) { return {_mm256_sub_ps(a.v, b.v)}; }
@@ -197,7 +199,8 @@ struct SharedCorners {
 
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
 template <class Block>
-inline unsigned candidates(const Block& block, const SharedCorners& c, double scale) {
+[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& c,
+                                                  double scale) {
     const __m512d s = _mm512_set1_pd(scale);
     const __m512 x =
         _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),

@@ -306,7 +306,8 @@ struct SharedCorners {
 /// Triangles of a shared block whose edge functions do not rule them out. Without permutations f32
 /// would gain nothing: the corners are fetched one by one.
 template <class Block>
-inline unsigned candidates(const Block& block, const SharedCorners& c, double) {
+[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& c,
+                                                  double) {
     alignas(16) double x[kSharedLanes], y[kSharedLanes];
     store(x, c.x0);
     store(x + kLanes, c.x1);
