@@ -47,6 +47,7 @@ int run(int argc, const char* const* argv) {
         if (std::string_view(argv[i]) == "--json-errors") line.common.jsonErrors = true;
     try {
         parseCommandLine(argc, argv, line);
+        if (line.common.jsonErrors) plugin_host::reportFaultsAsJson();
         Console console(line.common);
         return std::visit(Run{console}, line.options);
     } catch (const UsageError& error) {

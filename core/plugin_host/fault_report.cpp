@@ -28,7 +28,7 @@ std::array<NamedCall, 256> namedCalls; // custom shapes of more modules than thi
 std::atomic<std::size_t> namedCallCount{0};
 
 std::atomic<const Call*> runningCall{nullptr};
-std::atomic<bool> exitExpected{false};
+std::atomic<bool> exitExpected{false}, saysJson{false};
 std::atomic<pid_t> reportingThread{0};
 
 // ---- everything below runs in a signal handler: no allocation, no lock, no library that may hold one ----------------
@@ -36,12 +36,15 @@ std::atomic<pid_t> reportingThread{0};
 /// A line for stderr, built in place; what does not fit is cut.
 class Line {
 public:
+    /// As it is; for what JSON itself is made of.
+    Line& raw(std::string_view text) {
+        for (const char c : text) put(c);
+        return *this;
+    }
     Line& operator<<(std::string_view text) {
-        const std::size_t room = text_.size() - 1 - size_;
-        const std::size_t count = text.size() < room ? text.size() : room;
-        for (std::size_t i = 0; i < count; ++i) { // file names may hold control characters
-            const char c = text[i];
-            text_[size_++] = static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+        for (const char c : text) { // file names may hold control characters
+            if (saysJson && (c == '"' || c == '\\')) put('\\');
+            put(static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c);
         }
         return *this;
     }
@@ -69,7 +72,11 @@ public:
     }
 
 private:
-    std::array<char, 4096> text_;
+    void put(char c) {
+        if (size_ + 1 < text_.size()) text_[size_++] = c;
+    }
+
+    std::array<char, 16384> text_; // three paths and more
     std::size_t size_ = 0;
 };
 
@@ -135,15 +142,24 @@ bool report(int signalNumber, const StackWalk& walk, bool stackIsReadable) {
     const bool inPlugin = !walk.innermost.file.empty() || (call != nullptr && !stackIsReadable);
     if (!inPlugin) {
         // Whoever ended the program like this, it was not a plugin.
-        line << "rt: error: internal error: " << describe(signalNumber) << "; please report it";
-        line.print();
+        line.raw(saysJson ? "{\"severity\":\"error\",\"exit\":70,\"message\":\"" : "rt: error: ")
+            << "internal error: " << describe(signalNumber) << "; please report it";
+        line.raw(saysJson ? "\"}" : "").print();
         return false;
     }
-    if (call != nullptr && call->location.source != nullptr)
+    const bool isLocated = call != nullptr && call->location.source != nullptr;
+    if (isLocated && saysJson)
+        (((line.raw("{\"file\":\"") << call->location.source->path).raw("\",\"line\":")
+          << std::uint64_t{call->location.line})
+             .raw(",\"column\":")
+         << std::uint64_t{call->location.column})
+            .raw(",");
+    else if (isLocated)
         line << call->location.source->path << ":" << std::uint64_t{call->location.line} << ":"
              << std::uint64_t{call->location.column} << ": error[E0533]: ";
     else
-        line << "rt: error[E0533]: ";
+        line.raw(saysJson ? "{" : "rt: error[E0533]: ");
+    if (saysJson) line.raw("\"severity\":\"error\",\"code\":\"E0533\",\"message\":\"");
     const std::string_view path = walk.innermost.file;
     const std::string_view file = path.substr(path.rfind('/') + 1);
     if (call != nullptr)
@@ -160,7 +176,7 @@ bool report(int signalNumber, const StackWalk& walk, bool stackIsReadable) {
         line.hexadecimal(walk.innermost.offset) << ")";
     }
     line << "; nothing is written";
-    line.print();
+    line.raw(saysJson ? "\"}" : "").print();
     return true;
 }
 
@@ -220,6 +236,8 @@ void reportFaults() {
 }
 
 void expectExit() { exitExpected = true; }
+
+void reportFaultsAsJson() { saysJson = true; }
 
 void nameCall(const void* function, const char* call) {
     if (function == nullptr || !nameOf(function).empty()) return;

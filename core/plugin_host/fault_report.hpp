@@ -10,6 +10,9 @@ namespace rt::plugin_host {
 /// code was running and 70 otherwise, or by the signal itself where core files are wanted (ulimit -c).
 void reportFaults();
 
+/// What they say is a line of JSON from now on, shaped as the other diagnostics are.
+void reportFaultsAsJson();
+
 /// From now on, exit() is the program's own.
 void expectExit();
 

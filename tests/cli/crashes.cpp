@@ -2,6 +2,7 @@
 #include <tests/cli/run.hpp>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include <csignal>
 
