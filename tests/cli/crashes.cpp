@@ -76,6 +76,22 @@ TEST_F(Crash, WhileRenderingIsNamed) {
         }
 }
 
+TEST_F(Crash, IsSaidAsJsonWhereErrorsAre) {
+    write("cr\"ash.yaml", kStart + std::string("objects:\n  - crasher: {lower: abort}\n"));
+    const Outcome outcome = rt(std::string("render cr\"ash.yaml --json-errors --plugin-dir ") +
+                               RT_TEST_MODULES + "/crasher");
+    EXPECT_EQ(outcome.exitCode, 5);
+    const auto json = nlohmann::json::parse(outcome.err);
+    EXPECT_EQ(json["file"], "cr\"ash.yaml");
+    EXPECT_EQ(json["line"], 5);
+    EXPECT_EQ(json["column"], 5);
+    EXPECT_EQ(json["severity"], "error");
+    EXPECT_EQ(json["code"], "E0533");
+    EXPECT_THAT(json["message"].get<std::string>(),
+                testing::StartsWith("shape 'crasher': its code ended in a call of abort (SIGABRT) "
+                                    "in its function lower, at crasher.rtplugin.so+0x"));
+}
+
 TEST_F(Crash, OfATextureIsNamed) {
     const Outcome outcome =
         render("textures:\n  t: {crash_texture: {}}\nlights:\n  - point: {position: [0, -5, 5]}\n"
