@@ -129,7 +129,7 @@ private:
     Node background() const {
         const Background& background = description_.background;
         Node map = blockOf(backgroundFields(), &background);
-        if (!background.texture) erase(map, "mapping");
+        if (!background.texture && background.mapping == Mapping::hemisphere) erase(map, "mapping");
         if (background.mapping != Mapping::legacyHemisphere)
             erase(map, "center"), erase(map, "radius");
         return map;

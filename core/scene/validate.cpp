@@ -71,12 +71,14 @@ public:
         readCamera(section(scene, "camera"), scene);
         readBounds(section(scene, "bounds"));
         readRender(section(scene, "render"));
-        readBackground(section(scene, "background"));
+        const Node::Member* background = section(scene, "background");
+        readBackground(background);
         readLights(scene.take("lights"));
         readMaterials(scene.takeMember("materials"));
         readObjects(scene.take("objects"));
         if (const Node::Member* animation = scene.takeMember("animation"))
             validateAnimation(*animation, textures_, description_, diagnostics_);
+        refuseIdleMapping(background);
         scene.finish();
     }
 
@@ -236,11 +238,19 @@ private:
                                    std::string("background, ") + key +
                                        ": belongs to mapping legacy_hemisphere only");
         }
-        for (const char* key : {"mapping"})
-            if (const Node* node = member->value.find(key); node && !member->value.find("texture"))
-                diagnostics_.error(codes::kExclusive, node->location,
-                                   std::string("background, ") + key +
-                                       ": has no meaning without a texture");
+    }
+
+    /// Of a plain background that never fades to a texture.
+    void refuseIdleMapping(const Node::Member* background) {
+        if (!background || background->value.find("texture")) return;
+        const Node* mapping = background->value.find("mapping");
+        const auto isFade = [](const Track& track) {
+            return std::holds_alternative<BackgroundFade>(track.target);
+        };
+        if (mapping && !(description_.animation &&
+                         std::ranges::any_of(description_.animation->tracks, isFade)))
+            diagnostics_.error(codes::kExclusive, mapping->location,
+                               "background, mapping: has no meaning without a texture");
     }
 
     // ---- types ---------------------------------------------------------------------------------------------

@@ -143,14 +143,22 @@ private:
     void readFrames() {
         const Node::Member* member = written("frames");
         if (!member) return reportWhole(codes::kMissingKey, "needs the key 'frames'");
-        const auto range = readRange("frames", member->value, animation_.frames - 1);
+        const auto range = readRange("frames", member->value, highestFrame());
         if (!range) return;
         if ((*range)[0] >= (*range)[1])
             return report("frames", codes::kFrames, member->value.location,
                           "must rise: the first frame " + std::to_string((*range)[0]) +
                               " is not before the last, " + std::to_string((*range)[1]));
         track_.frames = {(*range)[0], (*range)[1]};
+        if (track_.frames.first + 1 >= animation_.frames)
+            diagnostics_.warning(member->value.location, reader_.subject() +
+                                                             ": begins with the last frame, " +
+                                                             std::to_string(animation_.frames - 1) +
+                                                             ", or later and is never seen");
     }
+
+    /// A motion may end beyond the last frame: the film then shows the beginning of it.
+    static double highestFrame() { return findField(animationFields(), "frames")->row.max; }
 
     void readFade(const Node& node, const Node::Member* motion) {
         if (motion)
@@ -346,7 +354,7 @@ private:
         frame.text = key.key;
         frame.location = key.keyLocation;
         rt_param frameRow{};
-        frameRow.type = RT_INTEGER, frameRow.min = 0, frameRow.max = animation_.frames - 1;
+        frameRow.type = RT_INTEGER, frameRow.min = 0, frameRow.max = highestFrame();
         const Parsed<Value> parsedFrame = parseValue(frame, frameRow);
         if (const auto* fault = std::get_if<Fault>(&parsedFrame))
             return reader_.report("keyframes", {fault->code, fault->location,

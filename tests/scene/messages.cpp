@@ -394,8 +394,8 @@ TEST(Messages, AboutFilms) {
          "move_direct or keyframes\n"},
         {"{target: moon, move: {position: [0, 0, 0]}}",
          "12:7: error[E0302]: tracks[0]: needs the key 'frames'\n"},
-        {"{target: moon, move: {position: [0, 0, 0]}, frames: [0, 97]}",
-         "12:63: error[E0306]: tracks[0], frames: must be >= 0 and <= 96 (got 97)\n"},
+        {"{target: moon, move: {position: [0, 0, 0]}, frames: [0, 1000001]}",
+         "12:63: error[E0306]: tracks[0], frames: must be >= 0 and <= 1000000 (got 1000001)\n"},
         {"{target: moon, move: {position: [0, 0, 0]}, frames: [9, 9]}",
          "12:59: error[E0326]: tracks[0], frames: must rise: the first frame 9 is not before the "
          "last, 9\n"},
@@ -437,8 +437,9 @@ TEST(Messages, AboutFilms) {
          "12:27: error[E0328]: tracks[0], move: the background fades and has no motion\n"},
         {"{background: night, frames: [0, 9]}\n    - {background: sky, frames: [8, 19]}",
          "13:7: error[E0330]: this fade of the background overlaps that of line 12\n"},
-        {"{target: moon.radius, keyframes: {0: 1, 97: 2}}",
-         "12:47: error[E0306]: tracks[0], keyframes: a frame must be >= 0 and <= 96 (got 97)\n"},
+        {"{target: moon.radius, keyframes: {0: 1, -1: 2}}",
+         "12:47: error[E0306]: tracks[0], keyframes: a frame must be >= 0 and <= 1000000 (got "
+         "-1)\n"},
         {"{target: moon.radius, keyframes: {0: 1, 9: -2}}",
          "12:50: error[E0306]: tracks[0], keyframes: must be > 0 (got -2)\n"},
         {"{target: moon.radius, keyframes: {0: 1, 9: [1, 2, 3]}}",
@@ -480,6 +481,38 @@ TEST(Messages, AboutFilms) {
          "13:7: error[E0330]: 'objects.moon.radius' has keyframes in line 12 already\n"},
     };
     for (const auto& [track, messages] : kCases) EXPECT_EQ(film(track), messages) << track;
+}
+
+const std::string kShortFilm =
+    kHead + "objects: [sphere: {name: moon, radius: 4}]\nanimation:\n  frames: 10\n  tracks:\n";
+
+// Legacy movies cut motions short: "movie 9 24" with "0 move 0 0 0 0 96".
+TEST(Films, MotionsMayEndBeyondTheLastFrame) {
+    const Description description = described(
+        kShortFilm + "    - {target: moon, move: {position: [0, 0, 0]}, frames: [0, 97]}\n"
+                     "    - {target: moon.radius, keyframes: {0: 1, 97: 2}}\n");
+    EXPECT_EQ(description.animation->tracks[0].frames.last, 97u);
+    EXPECT_EQ(description.animation->tracks[1].frames.last, 97u);
+}
+
+TEST(Films, WarnOfAMotionThatIsNeverSeen) {
+    const Outcome outcome = outcomeOf(
+        kShortFilm + "    - {target: moon, move: {position: [0, 0, 0]}, frames: [9, 97]}\n");
+    EXPECT_TRUE(outcome.description);
+    EXPECT_EQ(outcome.messages, "/scenes/s.yaml:7:59: warning: tracks[0]: begins with the last "
+                                "frame, 9, or later and is never seen\n");
+}
+
+// The original's `background -1` has the mapping for the texture that a fade brings.
+TEST(Films, APlainBackgroundMayFadeToATexture) {
+    const std::string scene = kHead + "textures: {sky: {checker: {}}}\n"
+                                      "background: {color: 0.5, mapping: lat_long}\n";
+    const Description description =
+        described(scene + "animation: {frames: 9, tracks: [{background: sky, frames: [0, 4]}]}\n");
+    EXPECT_EQ(description.background.mapping, Mapping::latLong);
+    EXPECT_FALSE(description.background.texture);
+    EXPECT_EQ(refusal(scene + "animation: {frames: 9}\n"),
+              "4:36: error[E0321]: background, mapping: has no meaning without a texture\n");
 }
 
 } // namespace
