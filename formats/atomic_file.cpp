@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <climits>
 #include <csignal>
 #include <cstdio>
@@ -111,6 +112,19 @@ struct Removal { // of the temporary file, unless it was renamed
     }
 };
 
+fs::path folderOf(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// Makes a rename last; errno, or 0.
+int syncFolder(const fs::path& folder) {
+    const File directory(
+        retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }));
+    if (directory.fd() < 0) return 0; // a folder one may write but not list
+    if (retried([&] { return ::fsync(directory.fd()); }) >= 0) return 0;
+    return errno == EINVAL ? 0 : errno; // EINVAL: not on this file system
+}
+
 void writeInPlace(const std::string& path, std::span<const std::byte> bytes,
                   const std::string& what) {
     File file(retried([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY); }));
@@ -135,7 +149,7 @@ void writeFileAtomically(const std::string& path, std::span<const std::byte> byt
     std::error_code error;
     const fs::path target = exists ? fs::canonical(path, error) : fs::path(path);
     if (error) throw std::system_error(error, what);
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+    const fs::path folder = folderOf(target);
 
     fs::path temporary;
     File file = createTemporary(folder, target.filename().string(), temporary, what);
@@ -158,11 +172,36 @@ void writeFileAtomically(const std::string& path, std::span<const std::byte> byt
     check(retried([&] { return ::rename(temporary.c_str(), target.c_str()); }) < 0 ? errno : 0);
     removal.armed = false;
 
-    const File directory(
-        retried([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }));
-    if (directory.fd() < 0) return; // a folder one may write but not list
-    if (retried([&] { return ::fsync(directory.fd()); }) < 0 && errno != EINVAL)
-        check(errno); // EINVAL: not on this file system
+    check(syncFolder(folder));
+}
+
+TemporaryFile::TemporaryFile(std::string target) : target_(std::move(target)) {
+    std::error_code error;
+    if (fs::exists(target_, error)) target_ = fs::canonical(target_).string();
+    const fs::path folder = folderOf(target_);
+    const std::string start = "." + fs::path(target_).filename().string() + ".";
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename();
+        if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
+        pid_t owner = 0;
+        std::from_chars(name.data() + start.size(), name.data() + name.size(), owner);
+        if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+    }
+    path_ = (folder / (start + std::to_string(::getpid()) + ".tmp")).string();
+}
+
+TemporaryFile::~TemporaryFile() { ::unlink(path_.c_str()); }
+
+void TemporaryFile::replaceTarget() {
+    const std::string what = "cannot write '" + target_ + "'";
+    const auto check = [&](int code) {
+        if (code != 0) fail(what, code);
+    };
+    File file(retried([&] { return ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW); }));
+    check(file.fd() < 0 ? errno : 0);
+    check(retried([&] { return ::fsync(file.fd()); }) < 0 ? errno : 0);
+    check(::rename(path_.c_str(), target_.c_str()) < 0 ? errno : 0);
+    check(syncFolder(folderOf(target_)));
 }
 
 } // namespace rt::formats

@@ -1,24 +1,16 @@
 #include <formats/window.hpp>
 
-#include <dlfcn.h>
-#include <filesystem>
+#include <formats/module_file.hpp>
 
 namespace rt::formats {
 
 const rt_window_module& windowModule() {
     static const rt_window_module& module = []() -> const rt_window_module& {
-        const auto path =
-            std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() /
-            "lib/rt/rt_window.so";
-        void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-        if (!handle)
-            throw std::runtime_error(std::string("the window module cannot be opened: ") +
-                                     dlerror());
-        const auto* table = static_cast<const rt_window_module*>(dlsym(handle, "rt_window_entry"));
-        if (!table || table->version != RT_WINDOW_MODULE_VERSION ||
-            table->struct_size != sizeof *table)
-            throw std::runtime_error("the window module " + path.string() +
-                                     " belongs to another build of rt");
+        constexpr const char *kFile = "rt_window.so", *kWhat = "the window module";
+        const auto* table =
+            static_cast<const rt_window_module*>(openModule(kFile, "rt_window_entry", kWhat));
+        if (table->version != RT_WINDOW_MODULE_VERSION || table->struct_size != sizeof *table)
+            refuseForeignModule(kFile, kWhat);
         return *table;
     }();
     return module;
