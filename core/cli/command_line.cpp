@@ -3,6 +3,7 @@
 #include <core/cli/command_line.hpp>
 
 #include <core/cli/exit_codes.hpp>
+#include <core/cli/film_options.hpp>
 #include <core/scene/diagnostic.hpp>
 
 #include <CLI/CLI.hpp>
@@ -15,8 +16,6 @@ namespace rt::cli {
 
 namespace {
 
-using Take = std::function<void(const std::string& word)>;
-
 constexpr std::uint32_t kMaxWhole = 0xFFFFFFFF;
 constexpr std::size_t kHelpWidth = 80;
 constexpr std::size_t kHelpColumn = 26; // where the text beside an option begins
@@ -24,31 +23,22 @@ constexpr std::size_t kHelpColumn = 26; // where the text beside an option begin
 const std::vector<std::string> kImageSuffixes{"png", "jpg", "jpeg", "bmp", "exr", "pfm"};
 const std::vector<std::string> kOnOff{"on", "off"};
 const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"};
-const std::vector<std::string> kProgressStyles{"auto", "bar", "plain", "none"};
 const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
 const std::vector<std::string> kEncodings{"srgb", "linear"};
 const std::vector<std::string> kNewKinds{"scene", "shape", "texture", "loader"};
 const std::vector<std::string> kShells{"bash", "zsh", "fish"};
 
-std::string choiceName(const std::vector<std::string>& choices) {
-    std::string name;
-    for (const std::string& choice : choices) name += (name.empty() ? "" : "|") + choice;
-    return name;
-}
-
 /// One subcommand: its CLI11 half recognises, its takers fill the options once every word is known.
-class Command {
+class Command final : public OptionRows {
 public:
+    using OptionRows::flag;
+
     Command(CLI::App& app_, std::string examples_) : app(app_), examples(std::move(examples_)) {
         app.set_help_flag();
         flag("-h,--help", "Show this help.", help);
     }
 
-    void flag(const char* names, const char* text, bool& value) {
-        flag(names, text, [&value](const std::string&) { value = true; });
-    }
-    /// Called once for each time the flag is given.
-    void flag(const char* names, const char* text, Take take) {
+    void flag(const char* names, const char* text, Take take) override {
         CLI::Option* const option = app.add_flag(names)->description(text);
         option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
         takers_.push_back({option, [name = longName(option), take](const std::string& word) {
@@ -56,15 +46,13 @@ public:
                                take(word);
                            }});
     }
-    /// `--name` alone gives "", `--name=word` the word.
-    void flagWithWord(const char* names, const char* value, const char* text, Take take) {
+    void flagWithWord(const char* names, const char* value, const char* text, Take take) override {
         CLI::Option* const option = app.add_flag(names)->description(text)->option_text(value);
         option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
         takers_.push_back(
             {option, [take](const std::string& word) { take(word == "true" ? "" : word); }});
     }
-    /// Given several times, `take` is called for each word in order.
-    void option(const char* names, const std::string& value, const char* text, Take take) {
+    void option(const char* names, const std::string& value, const char* text, Take take) override {
         CLI::Option* const option = app.add_option(names)->description(text)->type_name(value);
         option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
         option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
@@ -77,7 +65,7 @@ public:
                            }});
     }
     void argument(const char* name, const char* value, const char* text, std::string& word,
-                  bool required = true) {
+                  bool required = true) override {
         CLI::Option* const option =
             app.add_option(name)->description(text)->type_name(value)->expected(1);
         takers_.push_back({option, [&word](const std::string& given) { word = given; }});
@@ -85,7 +73,7 @@ public:
         if (required) required_.push_back({option, value});
     }
     void arguments(const char* name, const char* value, const char* text,
-                   std::vector<std::string>& words) {
+                   std::vector<std::string>& words) override {
         CLI::Option* const option = app.add_option(name)
                                         ->description(text)
                                         ->type_name(value)
@@ -238,6 +226,12 @@ public:
         root_->flag("--version", "Show the version and how it was built.", versionFlag_);
 
         addRender();
+        addEncodeOptions(
+            add("encode", "Encode the frames of a film, which `rt render` has kept.",
+                "rt encode film.frames -o film.mp4            # H.264\n"
+                "rt encode film.frames -o film.webm --fps 12  # VP9, slower\n"
+                "rt encode frame_%04d.png -o film.mkv         # from numbered pictures\n"),
+            encode_);
         addView();
         addCheck();
         addInfo();
@@ -321,6 +315,7 @@ private:
     bool versionFlag_ = false;
     std::string helpTopic_;
     RenderOptions render_;
+    EncodeOptions encode_;
     ViewOptions view_;
     CheckOptions check_;
     InfoOptions info_;
@@ -347,21 +342,22 @@ std::string checkedOutput(const std::string& word) {
 }
 
 void Program::addRender() {
-    Command& c = add("render", "Draw a scene and write the picture; prints its path.",
+    Command& c = add("render", "Draw a scene or a film and write it; prints its path.",
                      "rt render scene.yaml                           # draws ./scene.png\n"
                      "rt render scene.yaml --size 320x240 -o a.jpg   # another size and format\n"
                      "rt render scene.yaml --set render.depth=1      # any key of the scene\n");
     RenderOptions& o = render_;
     c.argument("scene", "SCENE", "The scene, a YAML file.", o.scene);
     c.option("-o,--output", "FILE",
-             "Write here; the suffix chooses png, jpg, bmp, exr or pfm, and - is stdout. May be "
-             "given more than once. Default: ./SCENE.png.",
+             "Write here; the suffix chooses png, jpg, bmp, exr or pfm, or mp4, avi, mkv or webm "
+             "for a film; a_%04d.png numbers its frames, and - is stdout. May be given more than "
+             "once. Default: ./SCENE.png, or ./SCENE.mp4 for a film.",
              [&o](const std::string& word) { o.outputs.push_back(checkedOutput(word)); });
     c.option("--format", choiceName(kImageSuffixes),
              "Format of the output whatever its suffix; png for stdout.",
              [&o](const std::string& word) { o.format = imageFormatNamed(word); });
     c.option(
-        "--quality", "N", "Of a JPEG, 1 to 100; 95 by default.",
+        "--quality", "N", "Of a JPEG or a film, 1 to 100; 95 for a JPEG and 80 for a film.",
         [&o](const std::string& word) { o.quality = static_cast<int>(parseWhole(word, 1, 100)); });
     c.option("-s,--size", "WxH", "Size of the picture in pixels.", [&o](const std::string& word) {
         const Size size = parseSize(word);
@@ -418,14 +414,15 @@ void Program::addRender() {
     c.option("--pixel", "X,Y", "With --trace: the pixel to explain.",
              [&o](const std::string& word) { o.pixel = parsePixel(word); });
     c.flag("--trace", "Print the ray tree of --pixel on stdout; writes no picture.", o.trace);
-    c.option("--progress", choiceName(kProgressStyles),
+    c.option("--progress", choiceName(progressStyleNames()),
              "How progress is shown on stderr; auto is a bar on a terminal and nothing elsewhere.",
              [&o](const std::string& word) {
-                 o.progress = static_cast<ProgressStyle>(parseChoice(word, kProgressStyles));
+                 o.progress = static_cast<ProgressStyle>(parseChoice(word, progressStyleNames()));
              });
     c.flagWithWord("--stats", "[=FILE.json]",
                    "Report times, rays, tests and the octree on stderr, or as JSON in a file.",
                    [&o](const std::string& word) { o.statistics = true, o.statisticsFile = word; });
+    addFilmOptions(c, o);
 }
 
 void Program::addView() {
@@ -650,7 +647,11 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     }
     if (!command) throw UsageError("a command is missing", "try: rt render scene.yaml");
     command->complete();
-    if (line.command == "render") line.options = render_;
+    if (line.command == "render") {
+        render_.words.assign(argv + 1, argv + argc);
+        line.options = render_;
+    }
+    if (line.command == "encode") line.options = encode_;
     if (line.command == "check") line.options = check_;
     if (line.command == "info") line.options = info_;
     if (line.command == "schema") line.options = schema_;
@@ -697,6 +698,17 @@ std::vector<CommandDescription> Program::describeAll() const {
 }
 
 } // namespace
+
+const std::vector<std::string>& progressStyleNames() {
+    static const std::vector<std::string> names{"auto", "bar", "plain", "none"};
+    return names;
+}
+
+std::string choiceName(const std::vector<std::string>& choices) {
+    std::string name;
+    for (const std::string& choice : choices) name += (name.empty() ? "" : "|") + choice;
+    return name;
+}
 
 void parseCommandLine(int argc, const char* const* argv, CommandLine& line) {
     Program().parse(argc, argv, line);

@@ -1,10 +1,12 @@
 // The command line as plain structs: one per subcommand. Only command_line.cpp knows the parser.
 #pragma once
 #include <converters/inf.hpp>
+#include <core/cli/frame_selection.hpp>
 #include <core/cli/values.hpp>
 #include <core/scene/validate.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_writer.hpp>
+#include <formats/video.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -29,6 +31,9 @@ struct SceneOptions {
 };
 
 enum class ProgressStyle : std::uint8_t { automatic, bar, plain, none };
+const std::vector<std::string>& progressStyleNames();
+
+inline constexpr double kLeastFps = 0.001, kMostFps = 1000; // as animation.fps
 
 struct RenderOptions : SceneOptions {
     std::string scene;
@@ -38,7 +43,7 @@ struct RenderOptions : SceneOptions {
     std::optional<std::array<std::uint32_t, 2>> pixel;
     trace::Shade shade = trace::Shade::full;
     ProgressStyle progress = ProgressStyle::automatic;
-    int quality = 95;                 // JPEG
+    std::optional<int> quality;       // of a JPEG or a film
     int threads = 0;                  // 0: all that the process may use
     bool resized = false;             // --size is given
     std::optional<double> timeBudget; // seconds
@@ -47,6 +52,21 @@ struct RenderOptions : SceneOptions {
     bool trace = false;
     bool statistics = false;
     std::string statisticsFile; // empty: a table on stderr
+
+    std::optional<FrameSelection> frames; // none: all of a film, the first for a picture
+    std::optional<formats::VideoCodec> codec;
+    bool resume = false, overwrite = false;
+    std::vector<std::string> words; // of the command line behind `rt`
+};
+
+struct EncodeOptions {
+    std::string place; // a folder of frames, or a pattern
+    std::vector<std::string> outputs;
+    std::optional<FrameSelection> frames;
+    std::optional<formats::VideoCodec> codec;
+    std::optional<int> quality;
+    std::optional<double> fps;
+    ProgressStyle progress = ProgressStyle::automatic;
 };
 
 struct ViewOptions : SceneOptions {
@@ -122,9 +142,9 @@ struct HelpText {
 struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
-    std::variant<HelpText, RenderOptions, ViewOptions, CheckOptions, InfoOptions, SchemaOptions,
-                 ConvertOptions, CompareOptions, PluginsOptions, NewOptions, ExplainOptions,
-                 CompletionOptions, VersionOptions>
+    std::variant<HelpText, RenderOptions, EncodeOptions, ViewOptions, CheckOptions, InfoOptions,
+                 SchemaOptions, ConvertOptions, CompareOptions, PluginsOptions, NewOptions,
+                 ExplainOptions, CompletionOptions, VersionOptions>
         options;
 };
 

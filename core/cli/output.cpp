@@ -1,5 +1,6 @@
 #include <core/cli/output.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -18,8 +19,7 @@ constexpr scene::Code kUnknownSuffix{601}, kNoFolder{602}, kFolderRefuses{603}, 
 
 void error(scene::Diagnostics& diagnostics, scene::Code code, const std::string& path,
            std::string sentence, std::string suggestion = {}) {
-    diagnostics.error(code, {std::make_shared<scene::Source>(scene::Source{path, {}}), 0, 0},
-                      std::move(sentence), std::move(suggestion));
+    diagnostics.error(code, wholeFile(path), std::move(sentence), std::move(suggestion));
 }
 
 /// What legacy scenes and films name; a picture is one of its images.
@@ -33,9 +33,9 @@ bool isFilm(const fs::path& path) {
 std::string suffixSuggestion(const fs::path& path) {
     const std::string suffix = path.extension().string();
     const std::string near =
-        suffix.size() < 2
-            ? ""
-            : scene::nearest(suffix.substr(1), {"png", "jpg", "jpeg", "bmp", "exr", "pfm"});
+        suffix.size() < 2 ? ""
+                          : scene::nearest(suffix.substr(1), {"png", "jpg", "jpeg", "bmp", "exr",
+                                                              "pfm", "mp4", "avi", "mkv", "webm"});
     return near.empty() ? "" : "did you mean '." + near + "'?";
 }
 
@@ -73,10 +73,9 @@ std::vector<Output> planOutputs(const RenderOptions& options, const scene::Descr
         const std::string& said = description.image.file;
         paths.push_back(said.empty() || isFilm(said) ? still : said);
         if (isFilm(said))
-            diagnostics.warning(
-                {std::make_shared<scene::Source>(scene::Source{options.scene, {}}), 0, 0},
-                "image.file is a film, " + scene::quoted(said) +
-                    "; its first image is drawn into " + scene::quoted(still));
+            diagnostics.warning(wholeFile(options.scene),
+                                "image.file is a film, " + scene::quoted(said) +
+                                    "; its first image is drawn into " + scene::quoted(still));
     }
     std::vector<Output> outputs;
     for (const std::string& path : paths) {
@@ -84,13 +83,41 @@ std::vector<Output> planOutputs(const RenderOptions& options, const scene::Descr
             path == "-" ? formats::ImageFormat::png : formats::imageFormatOf(path);
         if (!options.format && !bySuffix) {
             error(diagnostics, kUnknownSuffix, path,
-                  "the suffix must be png, jpg, jpeg, bmp, exr or pfm", suffixSuggestion(path));
+                  "the suffix must be png, jpg, jpeg, bmp, exr or pfm, or mp4, avi, mkv or webm "
+                  "for a film",
+                  suffixSuggestion(path));
             continue;
         }
         if (path != "-") checkWritable(path, diagnostics);
         outputs.push_back({path, options.format ? *options.format : *bySuffix});
     }
     return outputs;
+}
+
+std::vector<std::byte> encodePicture(const image::Framebuffer& frame, formats::ImageFormat format,
+                                     const RenderOptions& options, const scene::Image& image) {
+    constexpr int kJpegQuality = 95;
+    const formats::Encoding encoding{.transfer = image.encoding,
+                                     .bits = image.bits,
+                                     .quality = options.quality.value_or(kJpegQuality)};
+    const bool keepsLargeValues =
+        format == formats::ImageFormat::pfm || format == formats::ImageFormat::exr;
+    if (keepsLargeValues || options.shade == trace::Shade::full)
+        return formats::encodeImage(frame, format, encoding);
+    image::Framebuffer scaled = frame;
+    trace::scaleForDisplay(scaled, options.shade);
+    return formats::encodeImage(scaled, format, encoding);
+}
+
+image::Framebuffer cut(const image::Framebuffer& frame, const Rectangle& r) {
+    image::Framebuffer part(r[2] - r[0], r[3] - r[1]);
+    for (std::uint32_t y = 0; y < part.height; ++y)
+        std::copy_n(&frame.at(r[0], r[1] + y), part.width, &part.at(0, y));
+    return part;
+}
+
+scene::Location wholeFile(const std::string& path) {
+    return {std::make_shared<scene::Source>(scene::Source{path, {}}), 0, 0};
 }
 
 std::string partialName(const std::string& path) {

@@ -25,6 +25,17 @@ std::vector<Output> planOutputs(const RenderOptions& options, const scene::Descr
 /// Folder of `path` exists and takes files, and `path` itself is a regular file or nothing. Gains E0602 to E0605.
 void checkWritable(const std::string& path, scene::Diagnostics& diagnostics);
 
+/// What a file of this format holds: depth and cost scaled for display, unless the format keeps large values. Throws
+/// std::runtime_error.
+std::vector<std::byte> encodePicture(const image::Framebuffer& frame, formats::ImageFormat format,
+                                     const RenderOptions& options, const scene::Image& image);
+
+/// The pixels within `--crop`.
+image::Framebuffer cut(const image::Framebuffer& frame, const Rectangle& rectangle);
+
+/// The place of an error about a file as a whole.
+scene::Location wholeFile(const std::string& path);
+
 /// `out/a.png` -> `out/a.partial.png`; stdout stays.
 std::string partialName(const std::string& path);
 

@@ -15,6 +15,8 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
+    /// What comes before the share.
+    void setTitle(std::string title) { title_ = std::move(title); }
     /// `share` of the work in [0, 1]; from one thread at a time.
     void show(double share);
     /// Says what share is done in the end and ends the bar's line; further calls do nothing.

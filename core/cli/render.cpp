@@ -1,12 +1,14 @@
 // rt render: the street from the scene file to the picture file.
 #include <core/cli/commands.hpp>
 #include <core/cli/exit_codes.hpp>
+#include <core/cli/film.hpp>
 #include <core/cli/interrupt.hpp>
 #include <core/cli/load_scene.hpp>
 #include <core/cli/output.hpp>
 #include <core/cli/progress.hpp>
 #include <core/cli/ray_tree_text.hpp>
 #include <core/cli/statistics.hpp>
+#include <core/film/frame.hpp>
 #include <core/octree/octree.hpp>
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
@@ -43,17 +45,6 @@ void requireInside(const scene::Image& image, const RenderOptions& options) {
         throw UsageError("--pixel: must lie inside the picture, which is " + size);
 }
 
-image::Framebuffer cut(const image::Framebuffer& frame, const Rectangle& r) {
-    image::Framebuffer part(r[2] - r[0], r[3] - r[1]);
-    for (std::uint32_t y = 0; y < part.height; ++y)
-        std::copy_n(&frame.at(r[0], r[1] + y), part.width, &part.at(0, y));
-    return part;
-}
-
-scene::Location wholeFile(const std::string& path) {
-    return {std::make_shared<scene::Source>(scene::Source{path, {}}), 0, 0};
-}
-
 /// A size of other proportions stretches the picture of a camera with a fixed screen.
 void warnOfStretching(const RenderOptions& options, const scene::Description& description,
                       scene::Diagnostics& diagnostics) {
@@ -66,23 +57,14 @@ void warnOfStretching(const RenderOptions& options, const scene::Description& de
                             "stretched");
 }
 
-bool keepsLargeValues(formats::ImageFormat format) {
-    return format == formats::ImageFormat::pfm || format == formats::ImageFormat::exr;
-}
-
 /// Encodes for each output first, so that nothing is written when one of them cannot be.
 bool write(const image::Framebuffer& frame, const std::vector<Output>& outputs,
            const RenderOptions& options, const scene::Image& image, const Console& console,
            scene::Diagnostics& diagnostics) {
-    const formats::Encoding encoding{
-        .transfer = image.encoding, .bits = image.bits, .quality = options.quality};
     std::vector<std::vector<std::byte>> encoded;
     try {
-        image::Framebuffer scaled = frame;
-        trace::scaleForDisplay(scaled, options.shade);
         for (const Output& output : outputs)
-            encoded.push_back(formats::encodeImage(keepsLargeValues(output.format) ? frame : scaled,
-                                                   output.format, encoding));
+            encoded.push_back(encodePicture(frame, output.format, options, image));
     } catch (const std::runtime_error& error) {
         diagnostics.error(kEncodeFailed, wholeFile(outputs[encoded.size()].path), error.what());
         return false;
@@ -161,11 +143,14 @@ int render(const RenderOptions& options, Console& console) {
         return diagnostics.exitCode();
     };
     plugin_host::Catalog catalog(plugin_host::searchPath(options.pluginDirs));
-    const auto loaded = load(options, catalog, diagnostics);
+    auto loaded = load(options, catalog, diagnostics);
     if (!loaded) return finish();
     const scene::Description& description = loaded->description;
     requireInside(description.image, options);
     warnOfStretching(options, description, diagnostics);
+    if (const auto plan = planFilm(options, description, diagnostics))
+        return diagnostics.failed() ? finish()
+                                    : renderFilm(*plan, options, description, catalog, console);
     std::vector<Output> outputs;
     if (!options.trace) outputs = planOutputs(options, description, diagnostics);
     if (!options.statisticsFile.empty()) checkWritable(options.statisticsFile, diagnostics);
@@ -175,9 +160,19 @@ int render(const RenderOptions& options, Console& console) {
     for (const Output& output : outputs) codecs.push_back(formats::openCodec(output.format));
 
     phases.begin("load");
-    const auto world = plugin_host::lower(description, catalog, diagnostics,
-                                          {.allowMissing = options.allowMissing});
+    const auto lower = [&](const scene::Description& lowered, scene::Diagnostics& problems) {
+        return plugin_host::lower(lowered, catalog, problems,
+                                  {.allowMissing = options.allowMissing});
+    };
+    auto world = lower(loaded->description, diagnostics);
     if (!world) return finish();
+    if (loaded->description.animation) {
+        auto frame = film::frameAt(loaded->description, *world, pictureFrame(options, description),
+                                   lower, diagnostics);
+        if (!frame) return finish();
+        world = std::move(frame->world);
+        loaded->description = std::move(frame->description);
+    }
     console.report(diagnostics);
     diagnostics = {};
     for (const plugin_host::ModuleInfo& module : catalog.opened())

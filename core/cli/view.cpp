@@ -132,15 +132,19 @@ std::shared_ptr<const view::Stage> staged(scene::Description description, world:
     return stage;
 }
 
+/// `catalog` becomes the one that the stage's description refers to.
 std::shared_ptr<const view::Stage> loadStage(const ViewOptions& options,
+                                             std::unique_ptr<plugin_host::Catalog>& catalog,
                                              scene::Diagnostics& diagnostics) {
-    plugin_host::Catalog catalog(plugin_host::searchPath(options.pluginDirs));
-    auto loaded = loadScene(options.scene, options, catalog, diagnostics);
+    auto fresh =
+        std::make_unique<plugin_host::Catalog>(plugin_host::searchPath(options.pluginDirs));
+    auto loaded = loadScene(options.scene, options, *fresh, diagnostics);
     if (!loaded) return nullptr;
-    auto world = plugin_host::lower(loaded->description, catalog, diagnostics,
+    auto world = plugin_host::lower(loaded->description, *fresh, diagnostics,
                                     {.allowMissing = options.allowMissing});
-    return world ? staged(std::move(loaded->description), std::move(*world), options.threads)
-                 : nullptr;
+    if (!world) return nullptr;
+    catalog = std::move(fresh);
+    return staged(std::move(loaded->description), std::move(*world), options.threads);
 }
 
 /// How soon pictures followed events.
@@ -241,7 +245,8 @@ int view(const ViewOptions& options, Console& console) {
         const auto source = scene::readSource(options.script, kLargestScript, diagnostics);
         if (!source || !(script = view::parseScript(source, diagnostics))) return finish();
     }
-    auto rest = loadStage(options, diagnostics);
+    std::unique_ptr<plugin_host::Catalog> catalog;
+    auto rest = loadStage(options, catalog, diagnostics);
     if (!rest) return finish();
     console.report(diagnostics);
     const scene::Encoding encoding = rest->description.image.encoding;
@@ -253,7 +258,7 @@ int view(const ViewOptions& options, Console& console) {
     services.changed = [&] { return files.changed(); };
     services.reload = [&]() -> view::Reload {
         scene::Diagnostics found;
-        auto stage = loadStage(options, found);
+        auto stage = loadStage(options, catalog, found);
         console.report(found);
         if (!stage) return {nullptr, firstLines(found)};
         files.watch(options.scene, stage->description);
@@ -262,7 +267,11 @@ int view(const ViewOptions& options, Console& console) {
     };
     services.frame = [&](std::uint32_t number) -> std::shared_ptr<const view::Stage> {
         scene::Diagnostics found;
-        auto frame = film::frameAt(rest->description, rest->world, number, found);
+        const auto lower = [&](const scene::Description& still, scene::Diagnostics& problems) {
+            return plugin_host::lower(still, *catalog, problems,
+                                      {.allowMissing = options.allowMissing});
+        };
+        auto frame = film::frameAt(rest->description, rest->world, number, lower, found);
         console.report(found);
         return frame
                    ? staged(std::move(frame->description), std::move(frame->world), options.threads)

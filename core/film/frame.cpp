@@ -185,12 +185,17 @@ std::vector<RestObject> restObjects(const scene::Description& description,
 }
 
 std::optional<Frame> frameAt(const scene::Description& description, const world::World& rest,
-                             std::uint32_t frame, scene::Diagnostics& diagnostics) {
+                             std::uint32_t frame, const Lower& lower,
+                             scene::Diagnostics& diagnostics) {
     auto still = animation::descriptionAt(description, frame, diagnostics);
+    if (!still) return std::nullopt;
+    std::optional<world::World> world =
+        animation::keyframesReachTheWorld(description) ? lower(*still, diagnostics) : rest;
+    if (!world) return std::nullopt;
     const auto poses =
-        animation::posesAt(description, restObjects(description, rest), frame, diagnostics);
-    if (!still || !poses) return std::nullopt;
-    Frame result{std::move(*still), rest};
+        animation::posesAt(description, restObjects(description, *world), frame, diagnostics);
+    if (!poses) return std::nullopt;
+    Frame result{std::move(*still), std::move(*world)};
     Mover mover(result.world);
     for (const Segment& segment : result.world.primitives.segments)
         mover.move(segment, (*poses)[static_cast<std::size_t>(segment.object)]);

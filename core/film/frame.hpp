@@ -4,6 +4,7 @@
 #include <core/scene/description.hpp>
 #include <core/world/world.hpp>
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,8 +20,15 @@ struct Frame {
 std::vector<animation::RestObject> restObjects(const scene::Description& description,
                                                const world::World& rest);
 
-/// A function of the arguments alone. Nothing, and errors, where a track cannot be followed.
+/// Takes a description to its world, as plugin_host::lower does.
+using Lower =
+    std::function<std::optional<world::World>(const scene::Description&, scene::Diagnostics&)>;
+
+/// A function of the arguments alone. `rest` is `description` lowered; `lower` is called where keyframes change numbers of
+/// objects, materials or textures, so that each frame has a rest pose of its own. Nothing, and errors, where a track
+/// cannot be followed.
 std::optional<Frame> frameAt(const scene::Description& description, const world::World& rest,
-                             std::uint32_t frame, scene::Diagnostics& diagnostics);
+                             std::uint32_t frame, const Lower& lower,
+                             scene::Diagnostics& diagnostics);
 
 } // namespace rt::film

@@ -178,6 +178,7 @@ private:
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const std::string& path = rows[i].type == RT_FILE ? pathOf(values[i]) : std::string();
             if (path.empty()) continue;
+            if (options_.files) options_.files->insert(path);
             const auto why = whyUnreadable(path);
             if (!why) continue;
             if (why->first == kNoSuchFile && mayMiss) {
@@ -251,6 +252,7 @@ private:
     const material::Texture* imageTexture(Call& call, const std::string& path) {
         if (const auto known = images_.find(path); known != images_.end()) return known->second;
         const material::Texture*& made = images_[path] = nullptr;
+        if (options_.files) options_.files->insert(path);
         if (const auto why = whyUnreadable(path)) {
             if (why->first == kNoSuchFile && options_.allowMissing) {
                 diagnostics_.warning(call.location, why->second + "; its material goes without it");

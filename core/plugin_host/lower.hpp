@@ -6,11 +6,15 @@
 #include <core/world/world.hpp>
 
 #include <optional>
+#include <set>
+#include <string>
 
 namespace rt::plugin_host {
 
 struct LowerOptions {
     bool allowMissing = false; // objects whose file is missing are left out, with a warning
+    /// Gains the files that values and materials name, once each; not what a loader's file names in its turn, but images.
+    std::set<std::string>* files = nullptr;
 };
 
 /// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx

@@ -223,6 +223,14 @@ known only when the mesh can be read.)"},
     wheel STEPS X Y       positive: away from you
     wait                  until the picture is final
     pause MILLISECONDS)"},
+    {Code{406}, "no folder of frames",
+     R"(`rt encode` takes the folder NAME.frames that `rt render` fills with the frames of a
+film, and the manifest in it that says which of them are complete. For frames that were
+rendered to numbered files it takes the same pattern, such as frame_%04d.png.)"},
+    {Code{407}, "frames are missing",
+     R"(A film is encoded from all of its frames, or from those that --frames names. A frame is
+missing if the manifest does not have it, and broken if its file is not as long as the
+manifest says or has another checksum. `rt render ... --resume` renders exactly these.)"},
     {Code{410}, "not an .inf or movie file", R"(The file is no text.)"},
     {Code{420}, "mesh file that cannot be used",
      R"(The loader of the file cannot make geometry of it; its message says where and why.)"},
@@ -261,7 +269,8 @@ core file as well.)"},
 
     // ---- exit 6: output
     {Code{601}, "unknown format",
-     R"(The suffix of an output file says its format: .png, .jpg, .bmp, .exr or .pfm.)"},
+     R"(The suffix of an output file says its format: .png, .jpg, .bmp, .exr or .pfm for pictures,
+.mp4, .avi, .mkv or .webm for films.)"},
     {Code{602}, "no such folder",
      R"(The folder of the output file does not exist. It is not made, since it may be misspelt.)"},
     {Code{603}, "folder that cannot be written",
@@ -274,6 +283,15 @@ at its place before is untouched.)"},
     {Code{606}, "encoding failed", R"(The picture cannot be written in this format.)"},
     {Code{607}, "file that would be replaced",
      R"(The output exists already. Name another one, or allow it to be replaced.)"},
+    {Code{608}, "frames in use",
+     R"(Another process is rendering frames into the same folder.)"},
+    {Code{609}, "frames of an earlier run",
+     R"(The folder already has frames, which may have taken long to render. --resume keeps those
+that are complete and renders the rest, --overwrite deletes them.)"},
+    {Code{610}, "frames of another film",
+     R"(--resume found frames that were rendered from another scene, other files or with other
+options, so that the film would change in the middle. The message names the first field
+that differs. Undo the change, render to another name, or start again with --overwrite.)"},
 
     // ---- exit 7: limits
     {Code{701}, "too many primitives",

@@ -10,9 +10,9 @@ namespace rt::cli_tests {
 
 namespace {
 
-const std::vector<std::string> kCommands{"render",     "view",    "check",   "info", "schema",
-                                         "convert",    "compare", "plugins", "new",  "explain",
-                                         "completion", "version", "help"};
+const std::vector<std::string> kCommands{"render",  "encode",     "view",    "check",   "info",
+                                         "schema",  "convert",    "compare", "plugins", "new",
+                                         "explain", "completion", "version", "help"};
 
 class Help : public Cli {
 protected:
@@ -84,6 +84,9 @@ TEST_F(Help, EveryExampleRuns) {
     std::filesystem::create_directories(folder_ / ".config/fish/completions");
     write("b.yaml", kThreeSpheres);
     write("a.yaml", kThreeSpheres);
+    write("film.yaml", kFilm);
+    rt("render film.yaml -o film.mp4");
+    rt("render film.yaml -o frame_%04d.png");
     rt("render scene.yaml -o a.png");
     rt("render scene.yaml -o b.png --set render.depth=0");
     for (const std::string& command : kCommands)

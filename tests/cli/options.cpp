@@ -85,6 +85,16 @@ std::vector<Options::Case> Options::cases() {
     renderPair();
     write("black.pfm", "PF\n64 48\n-1.0\n" + std::string(64 * 48 * 12, '\0'));
     std::filesystem::create_directories(folder_ / "empty");
+    write("film.yaml", kFilm);
+    rt("render film.yaml -o kept.avi");
+    const auto encodes = [this](const std::string& file, std::size_t least) {
+        return [this, file, least](const Outcome& o) {
+            EXPECT_EQ(o.out, file + "\n");
+            EXPECT_GE(read(file).size(), least) << "of " << file;
+        };
+    };
+    const std::string encode = "rt encode: error: ", seeEncode = "; see rt encode --help\n",
+                      codecs = "--codec: must be h264, h265, vp9, mpeg4, mjpeg or ffv1 (got 'x')";
     std::vector<Case> rows{
         // ---- rt
         {"rt", "-q", "-q check scene.yaml", prints(""), "--quiet=1",
@@ -215,6 +225,67 @@ std::vector<Options::Case> Options::cases() {
              EXPECT_EQ(json["primitives"], 3);
          },
          "render scene.yaml --stats s.json", render + "'s.json' is one argument too many" + see},
+        {"render", "--frames", "render film.yaml -o a.pfm --frames 4",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "a.pfm\n");
+             EXPECT_NE(read("a.pfm"), read("plain.pfm"));
+         },
+         "render film.yaml --frames 3-1",
+         render + "--frames: ranges must rise, and steps be at least 1 (got '3-1')" + see},
+        {"render", "--codec", "render film.yaml -o lossless.avi --codec ffv1",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             EXPECT_NE(read("lossless.avi").find("FFV1"), std::string::npos);
+         },
+         "render film.yaml --codec x", render + codecs + see},
+        {"render", "--resume", "render film.yaml -o kept.avi --resume -v",
+         [](const Outcome& o) {
+             EXPECT_NE(o.err.find("0 of 5 frames to render"), std::string::npos) << o.err;
+         },
+         "render film.yaml --resume=1", noValue("render", "--resume")},
+        {"render", "--overwrite", "render film.yaml -o kept.avi --overwrite -v",
+         [](const Outcome& o) {
+             EXPECT_NE(o.err.find("5 of 5 frames to render"), std::string::npos) << o.err;
+         },
+         "render film.yaml --overwrite=1", noValue("render", "--overwrite")},
+        // ---- encode
+        {"encode", "-o", "encode kept.frames -o b.mkv", encodes("b.mkv", 1000),
+         "encode kept.frames -o b.mov",
+         encode + "--output: the suffix of a film must be mp4, avi, mkv or webm (got 'b.mov')" +
+             seeEncode},
+        {"encode", "--frames", "encode kept.frames -o c.avi --frames 0,2-4:2",
+         encodes("c.avi", 1000), "encode kept.frames --frames 1:",
+         encode + "--frames: must be numbers and ranges, such as 10-20,30 or 10-200:5 (got '1:')" +
+             seeEncode},
+        {"encode", "--codec", "encode kept.frames -o d.mkv --codec ffv1",
+         [this](const Outcome&) { EXPECT_NE(read("d.mkv").find("FFV1"), std::string::npos); },
+         "encode kept.frames --codec x", encode + codecs + seeEncode},
+        {"encode", "--quality", "encode kept.frames -o e.avi --quality 100",
+         [this](const Outcome&) {
+             rt("encode kept.frames -o f.avi --quality 1");
+             EXPECT_LT(read("f.avi").size(), read("e.avi").size());
+         },
+         "encode kept.frames --quality 101",
+         encode + "--quality: must be a whole number from 1 to 100 (got '101')" + seeEncode},
+        {"encode", "--fps", "encode kept.frames -o g.avi --fps 10",
+         [this](const Outcome&) {
+             // The AVI header's first field: microseconds of a frame.
+             const std::string film = read("g.avi");
+             const std::size_t at = film.find("avih") + 8;
+             EXPECT_EQ(static_cast<unsigned char>(film[at]) +
+                           256 * static_cast<unsigned char>(film[at + 1]) +
+                           65536 * static_cast<unsigned char>(film[at + 2]),
+                       100000);
+         },
+         "encode kept.frames --fps 0",
+         encode + "--fps: must be a number from 0.001 to 1000 (got '0')" + seeEncode},
+        {"encode", "--progress", "encode kept.frames -o h.avi --progress plain",
+         [](const Outcome& o) {
+             EXPECT_TRUE(std::regex_search(o.err, std::regex("h.avi 100 %, [0-9.]+ s\n$")))
+                 << o.err;
+         },
+         "encode kept.frames --progress dots",
+         encode + "--progress: must be auto, bar, plain or none (got 'dots')" + seeEncode},
         // ---- view
         {"view", "-t", "view scene.yaml --script keys.txt -t 1",
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml -t x",

@@ -184,10 +184,11 @@ TEST_F(Render, QuietIsQuietAndVerboseNamesThePlugins) {
 TEST_F(Render, UnknownSuffixIsRefusedBeforeTracing) {
     const Outcome outcome = rt("render scene.yaml -o a.pgn --size 9000x9000 --antialias grid=32");
     EXPECT_EQ(outcome.exitCode, 6);
-    EXPECT_EQ(outcome.err, "a.pgn: error[E0601]: the suffix must be png, jpg, jpeg, bmp, exr or "
-                           "pfm; did you mean '.png'?\n");
-    EXPECT_EQ(rt("render scene.yaml -o a").err,
-              "a: error[E0601]: the suffix must be png, jpg, jpeg, bmp, exr or pfm\n");
+    const std::string must =
+        ": error[E0601]: the suffix must be png, jpg, jpeg, bmp, exr or pfm, or mp4, avi, mkv or "
+        "webm for a film";
+    EXPECT_EQ(outcome.err, "a.pgn" + must + "; did you mean '.png'?\n");
+    EXPECT_EQ(rt("render scene.yaml -o a").err, "a" + must + "\n");
     EXPECT_EQ(files(), Names{});
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <sstream>
 
 #include <fcntl.h>
@@ -37,6 +38,19 @@ objects:
   - sphere: {name: left, center: [-1.2, 0, 0.5], radius: 0.5, material: red}
   - sphere: {name: middle, center: [0, 0, 0.5], radius: 0.5, material: mirror}
   - sphere: {name: right, center: [1.2, 0, 0.5], radius: 0.5, material: red}
+)";
+
+const std::string kFilm =
+    std::regex_replace(kThreeSpheres, std::regex("point: \\{"), "point: {name: key, ") +
+    R"(animation:
+  frames: 5
+  fps: 12
+  tracks:
+    - {target: left, rotate: {center: [0, 0, 0.5], axis: [0, 0, 1], angle: 360deg}, frames: [0, 4]}
+    - {target: camera.position, move_direct: {direction: [0, 0, 1], distance: 0.4}, frames: [1, 4]}
+    - {target: materials.mirror.color, keyframes: {0: [1, 1, 1], 4: [0.2, 1, 0.2]}}
+    - {target: right.radius, keyframes: {0: 0.5, 4: 0.9}}
+    - {target: lights.key.color, keyframes: {0: [1, 1, 1], 4: [1, 0.5, 0]}}
 )";
 
 const std::string kOldScene = R"(window 48 64

@@ -49,6 +49,8 @@ protected:
 
 /// Three spheres, a light, 64x48: the smallest scene of the speed bars.
 extern const std::string kThreeSpheres;
+/// Five images of them in which objects, a light, a material, a radius and the camera change.
+extern const std::string kFilm;
 /// A small .inf scene, 64x48: one sphere, one light.
 extern const std::string kOldScene;
 

@@ -83,7 +83,7 @@ TEST(LegacyPoses, CentersAreThoseThatTheOriginalPrinted) {
     for (std::uint32_t k = 0; k < table.size(); ++k) {
         SCOPED_TRACE("image " + std::to_string(k));
         scene::Diagnostics diagnostics;
-        const auto frame = film::frameAt(stage->description, stage->world, k, diagnostics);
+        const auto frame = film::frameAt(stage->description, stage->world, k, {}, diagnostics);
         ASSERT_TRUE(frame) << errorsOf(diagnostics);
         const std::vector<Vec3> centers = centersOf(frame->world);
         ASSERT_EQ(centers.size(), table[k].centers.size());

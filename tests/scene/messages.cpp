@@ -512,7 +512,7 @@ TEST(Films, APlainBackgroundMayFadeToATexture) {
     EXPECT_EQ(description.background.mapping, Mapping::latLong);
     EXPECT_FALSE(description.background.texture);
     EXPECT_EQ(refusal(scene + "animation: {frames: 9}\n"),
-              "4:36: error[E0321]: background, mapping: has no meaning without a texture\n");
+              "4:35: error[E0321]: background, mapping: has no meaning without a texture\n");
 }
 
 } // namespace

@@ -1,0 +1,45 @@
+// One frame of a film at a time: the film is loaded once, each frame is a function of it and its number.
+#pragma once
+#include <core/cli/command_line.hpp>
+#include <core/image/framebuffer.hpp>
+#include <core/plugin_host/catalog.hpp>
+#include <core/scene/description.hpp>
+#include <core/world/world.hpp>
+#include <formats/frame_store.hpp>
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace rt::cli {
+
+class FrameDrawer {
+public:
+    /// Keeps references to all of them.
+    FrameDrawer(const RenderOptions& options, const scene::Description& description,
+                plugin_host::Catalog& catalog)
+        : options_(options), description_(description), catalog_(catalog) {}
+
+    /// Lowers the scene at rest. False after an error.
+    bool load(scene::Diagnostics& diagnostics);
+    /// What the frames depend on, once loaded.
+    formats::Settings settings() const;
+    /// Nothing after an error, or when a signal came. The picture has the pixels of --crop only.
+    std::optional<image::Framebuffer> draw(std::uint32_t frame,
+                                           const std::function<void(double share)>& show,
+                                           scene::Diagnostics& diagnostics) const;
+
+private:
+    std::optional<world::World> lower(const scene::Description& description,
+                                      scene::Diagnostics& diagnostics,
+                                      std::set<std::string>* files) const;
+
+    const RenderOptions& options_;
+    const scene::Description& description_;
+    plugin_host::Catalog& catalog_;
+    std::optional<world::World> rest_;
+    std::set<std::string> files_; // that the scene names
+};
+
+} // namespace rt::cli
