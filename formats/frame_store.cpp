@@ -140,6 +140,7 @@ bool FrameStore::parse(std::string_view manifest) {
     bool clean = true;
     while (!manifest.empty()) {
         const std::size_t end = manifest.find('\n');
+        clean &= end != std::string_view::npos; // else the next line would join this one
         const auto body = unsealed(manifest.substr(0, end));
         manifest.remove_prefix(end == std::string_view::npos ? manifest.size() : end + 1);
         const auto w = body ? split(*body) : std::vector<std::string_view>{};

@@ -3,7 +3,6 @@
 #include <core/cli/film_settings.hpp>
 #include <core/cli/interrupt.hpp>
 #include <core/cli/output.hpp>
-#include <core/film/frame.hpp>
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
 
@@ -25,27 +24,48 @@ formats::Settings FrameDrawer::settings() const {
     return filmSettings(options_, description_, *rest_, files_, catalog_);
 }
 
+void FrameDrawer::raise(std::unique_ptr<const film::Frame> frame, int threads) {
+    const geometry::Primitives& primitives = frame->world.primitives;
+    // Lowered anew, a frame may have other primitives than the one before.
+    if (tree_ && !animation::keyframesReachTheWorld(description_)) {
+        std::vector<geometry::PrimitiveId> moved;
+        for (const geometry::Segment& segment : primitives.segments) {
+            const auto object = static_cast<std::size_t>(segment.object);
+            if (!frame->moved[object] && !before_->moved[object]) continue;
+            for (std::uint32_t i = 0; i < segment.count; ++i)
+                moved.push_back(static_cast<geometry::PrimitiveId>(
+                    static_cast<std::uint32_t>(segment.first) + i));
+        }
+        tree_->update(primitives, moved);
+    } else {
+        tree_ =
+            octree::Octree::build(primitives, {.maxObjects = description_.render.octreeMaxObjects,
+                                               .minSize = description_.render.octreeMinSize,
+                                               .threads = threads,
+                                               .movable = true});
+    }
+    before_ = std::move(frame);
+}
+
 std::optional<image::Framebuffer> FrameDrawer::draw(std::uint32_t number,
                                                     const std::function<void(double share)>& show,
-                                                    scene::Diagnostics& diagnostics) const {
+                                                    scene::Diagnostics& diagnostics) {
     if (stopRequested()) return {};
     scene::Diagnostics problems; // warnings of the rest pose are not said again for each frame
-    const auto frame = film::frameAt(
+    auto frame = film::frameAt(
         description_, *rest_, number,
         [&](const auto& still, auto& found) { return lower(still, found, nullptr); }, problems);
     if (!frame) return diagnostics.add(problems), std::nullopt;
     const int threads = options_.threads ? options_.threads : parallel::availableThreads();
-    const auto tree = octree::Octree::build(frame->world.primitives,
-                                            {.maxObjects = description_.render.octreeMaxObjects,
-                                             .minSize = description_.render.octreeMinSize,
-                                             .threads = threads});
+    raise(std::make_unique<const film::Frame>(std::move(*frame)), threads);
     trace::Options traceOptions;
     traceOptions.threads = threads;
     traceOptions.shade = options_.shade;
     traceOptions.crop = options_.crop;
     traceOptions.stop = &stopRequested();
     traceOptions.progress = show;
-    trace::Result result = trace::render(tree, frame->world, frame->description, traceOptions);
+    trace::Result result =
+        trace::render(*tree_, before_->world, before_->description, traceOptions);
     if (!result.complete) return {};
     if (result.counts.notFinite)
         diagnostics.warning(wholeFile(options_.scene),

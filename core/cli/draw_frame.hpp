@@ -1,13 +1,16 @@
 // One frame of a film at a time: the film is loaded once, each frame is a function of it and its number.
 #pragma once
 #include <core/cli/command_line.hpp>
+#include <core/film/frame.hpp>
 #include <core/image/framebuffer.hpp>
+#include <core/octree/octree.hpp>
 #include <core/plugin_host/catalog.hpp>
 #include <core/scene/description.hpp>
 #include <core/world/world.hpp>
 #include <formats/frame_store.hpp>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -28,18 +31,23 @@ public:
     /// Nothing after an error, or when a signal came. The picture has the pixels of --crop only.
     std::optional<image::Framebuffer> draw(std::uint32_t frame,
                                            const std::function<void(double share)>& show,
-                                           scene::Diagnostics& diagnostics) const;
+                                           scene::Diagnostics& diagnostics);
 
 private:
     std::optional<world::World> lower(const scene::Description& description,
                                       scene::Diagnostics& diagnostics,
                                       std::set<std::string>* files) const;
 
+    /// The octree follows from the frame before; its answers are those of a fresh one.
+    void raise(std::unique_ptr<const film::Frame> frame, int threads);
+
     const RenderOptions& options_;
     const scene::Description& description_;
     plugin_host::Catalog& catalog_;
     std::optional<world::World> rest_;
-    std::set<std::string> files_; // that the scene names
+    std::set<std::string> files_;               // that the scene names
+    std::unique_ptr<const film::Frame> before_; // which tree_ is of
+    std::optional<octree::Octree> tree_;
 };
 
 } // namespace rt::cli

@@ -195,14 +195,18 @@ std::optional<Frame> frameAt(const scene::Description& description, const world:
     const auto poses =
         animation::posesAt(description, restObjects(description, *world), frame, diagnostics);
     if (!poses) return std::nullopt;
-    Frame result{std::move(*still), std::move(*world)};
+    Frame result{std::move(*still), std::move(*world), std::vector<bool>(poses->size())};
     Mover mover(result.world);
     for (const Segment& segment : result.world.primitives.segments)
         mover.move(segment, (*poses)[static_cast<std::size_t>(segment.object)]);
-    for (std::size_t i = 0; i < poses->size(); ++i)
-        if (!(*poses)[i].worldFromRest.isIdentity())
+    for (std::size_t i = 0; i < poses->size(); ++i) {
+        const ObjectPose& pose = (*poses)[i];
+        const bool stays = pose.worldFromRest.isIdentity();
+        result.moved[i] = !stays || !pose.faces.empty();
+        if (!stays)
             result.world.objectFromWorld[i] =
-                result.world.objectFromWorld[i] * (*poses)[i].worldFromRest.inverse();
+                result.world.objectFromWorld[i] * pose.worldFromRest.inverse();
+    }
     return result;
 }
 

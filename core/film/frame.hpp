@@ -13,6 +13,7 @@ namespace rt::film {
 struct Frame {
     scene::Description description; // camera and background of this frame
     world::World world;
+    std::vector<bool> moved; // by object: it does not stand where it does at rest
 };
 
 /// Where the objects of `rest` stand, for the motions. The center of an object of one primitive is that primitive's own

@@ -339,14 +339,14 @@ TEST_F(Film, CtrlCSaysHowToGoOn) {
         ::kill(child, SIGINT);
     };
     const std::string command =
-        "render film.yaml -o f.mp4 --size 800x600 --antialias grid=4 --depth 3";
+        "render film.yaml -o f.mp4 --size 400x300 --antialias grid=4 --depth 3";
     const Outcome outcome = rt(command, options);
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - sent).count(), 2);
     EXPECT_EQ(outcome.exitCode, 130);
     EXPECT_EQ(outcome.out, "");
     EXPECT_TRUE(std::regex_match(
         outcome.err, std::regex("rt render: error: interrupted after [1-4] of 5 frames; to go on: "
-                                "rt render film\\.yaml -o f\\.mp4 --size 800x600 --antialias "
+                                "rt render film\\.yaml -o f\\.mp4 --size 400x300 --antialias "
                                 "grid=4 --depth 3 --resume\n")))
         << outcome.err;
     EXPECT_FALSE(exists("f.mp4"));
