@@ -3,6 +3,7 @@
 #include <core/cli/command_line.hpp>
 
 #include <core/cli/exit_codes.hpp>
+#include <core/cli/farm_options.hpp>
 #include <core/cli/film_options.hpp>
 #include <core/scene/diagnostic.hpp>
 
@@ -232,6 +233,17 @@ public:
                 "rt encode film.frames -o film.webm --fps 12  # VP9, slower\n"
                 "rt encode frame_%04d.png -o film.mkv         # from numbered pictures\n"),
             encode_);
+        addFarmOptions(
+            add("farm", "Render a film or a huge picture by many processes, or by Slurm.",
+                "rt farm submit film.yaml -o a.mp4 --jobs 2    # on this machine\n"
+                "rt farm status a.job                          # what is done, and what happened\n"
+                "rt farm submit film.yaml -o b.mp4 --engine print   # for other schedulers\n"),
+            farm_);
+        addTaskOptions(add("task", "Run one task of a job: what `rt farm` submits.",
+                           "rt task run a.job 0             # again, if need be\n"
+                           "rt task run a.job 0 -v          # and say what is done\n"
+                           "rt task run a.job 0 2> log      # as schedulers do\n"),
+                       task_);
         addView();
         addCheck();
         addInfo();
@@ -316,6 +328,8 @@ private:
     std::string helpTopic_;
     RenderOptions render_;
     EncodeOptions encode_;
+    FarmOptions farm_;
+    TaskOptions task_;
     ViewOptions view_;
     CheckOptions check_;
     InfoOptions info_;
@@ -652,6 +666,8 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
         line.options = render_;
     }
     if (line.command == "encode") line.options = encode_;
+    if (line.command == "farm") line.options = farm_;
+    if (line.command == "task") line.options = task_;
     if (line.command == "check") line.options = check_;
     if (line.command == "info") line.options = info_;
     if (line.command == "schema") line.options = schema_;

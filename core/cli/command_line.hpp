@@ -69,6 +69,25 @@ struct EncodeOptions {
     ProgressStyle progress = ProgressStyle::automatic;
 };
 
+enum class Engine : std::uint8_t { local, slurm, print };
+const std::vector<std::string>& engineNames();
+
+struct FarmOptions {
+    std::string action;              // submit, status, resume, cancel, finish
+    std::string what;                // a scene, or the directory of a job
+    std::vector<std::string> render; // options for `rt render`
+    Engine engine = Engine::local;
+    std::size_t chunk = 0;   // frames of a task; 0: as many as take half a minute
+    std::uint32_t tiles = 0; // side in pixels; 0: a film
+    std::string job;         // empty: ./NAME.job
+    int jobs = 1;
+    int threads = 0;
+};
+
+struct TaskOptions {
+    std::string action, job, index;
+};
+
 struct ViewOptions : SceneOptions {
     std::string scene;
     std::string script;          // empty: a window
@@ -142,9 +161,9 @@ struct HelpText {
 struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
-    std::variant<HelpText, RenderOptions, EncodeOptions, ViewOptions, CheckOptions, InfoOptions,
-                 SchemaOptions, ConvertOptions, CompareOptions, PluginsOptions, NewOptions,
-                 ExplainOptions, CompletionOptions, VersionOptions>
+    std::variant<HelpText, RenderOptions, EncodeOptions, FarmOptions, TaskOptions, ViewOptions,
+                 CheckOptions, InfoOptions, SchemaOptions, ConvertOptions, CompareOptions,
+                 PluginsOptions, NewOptions, ExplainOptions, CompletionOptions, VersionOptions>
         options;
 };
 

@@ -7,6 +7,8 @@ namespace rt::cli {
 
 int render(const RenderOptions& options, Console& console);
 int encode(const EncodeOptions& options, Console& console);
+int farm(const FarmOptions& options, Console& console);
+int task(const TaskOptions& options, Console& console);
 int view(const ViewOptions& options, Console& console);
 int check(const CheckOptions& options, Console& console);
 int info(const InfoOptions& options, Console& console);

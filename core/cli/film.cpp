@@ -208,6 +208,10 @@ std::optional<FilmPlan> planFilm(const RenderOptions& options,
                          "for a picture: -o " + fs::path(*film).stem().string() + ".png");
     if (options.statistics)
         throw UsageError("--stats is for one picture", "such as --frames 0 -o frame.png");
+    if (options.timeBudget)
+        throw UsageError("--time-budget is for one picture: the frames of a film are the same on "
+                         "every machine",
+                         "use --max-error");
     if (options.resume && options.overwrite)
         throw UsageError("--resume and --overwrite exclude each other");
     FilmPlan plan;

@@ -20,6 +20,8 @@ struct Run {
     int operator()(const HelpText& help) const { return console.result(help.text), int(kExitOk); }
     int operator()(const RenderOptions& o) const { return render(o, console); }
     int operator()(const EncodeOptions& o) const { return encode(o, console); }
+    int operator()(const FarmOptions& o) const { return farm(o, console); }
+    int operator()(const TaskOptions& o) const { return task(o, console); }
     int operator()(const ViewOptions& o) const { return view(o, console); }
     int operator()(const CheckOptions& o) const { return check(o, console); }
     int operator()(const InfoOptions& o) const { return info(o, console); }

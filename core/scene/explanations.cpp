@@ -231,6 +231,9 @@ rendered to numbered files it takes the same pattern, such as frame_%04d.png.)"}
      R"(A film is encoded from all of its frames, or from those that --frames names. A frame is
 missing if the manifest does not have it, and broken if its file is not as long as the
 manifest says or has another checksum. `rt render ... --resume` renders exactly these.)"},
+    {Code{408}, "no job directory",
+     R"(`rt farm` and `rt task` take the directory that `rt farm submit` has made, NAME.job by
+default. It lies on a disk that all nodes share.)"},
     {Code{410}, "not an .inf or movie file", R"(The file is no text.)"},
     {Code{420}, "mesh file that cannot be used",
      R"(The loader of the file cannot make geometry of it; its message says where and why.)"},
@@ -292,6 +295,15 @@ that are complete and renders the rest, --overwrite deletes them.)"},
      R"(--resume found frames that were rendered from another scene, other files or with other
 options, so that the film would change in the middle. The message names the first field
 that differs. Undo the change, render to another name, or start again with --overwrite.)"},
+    {Code{611}, "job that exists",
+     R"(The job directory holds another job, perhaps with finished frames. `rt farm resume` goes
+on with it; --job names another directory.)"},
+    {Code{612}, "tasks that are not done",
+     R"(Some tasks of the job have not delivered all their frames, after several attempts each.
+`rt farm status` tells what happened, the folder log what they said. After the cause is
+gone, `rt farm resume` repeats these tasks only.)"},
+    {Code{613}, "the farm cannot go on",
+     R"(The scheduler does not answer, or a file of the job cannot be read or written.)"},
 
     // ---- exit 7: limits
     {Code{701}, "too many primitives",

@@ -222,6 +222,9 @@ TEST_F(Film, CommandLinesThatMeanNothingAreRefused) {
          "see rt render --help\n"},
         {"film.yaml -o a.mp4 --stats",
          "--stats is for one picture; such as --frames 0 -o frame.png\n"},
+        {"film.yaml -o a.mp4 --time-budget 3",
+         "--time-budget is for one picture: the frames of a film are the same on every machine; "
+         "use --max-error\n"},
         {"film.yaml -o a.mp4 --resume --overwrite",
          "--resume and --overwrite exclude each other; see rt render --help\n"}};
     for (const auto& [line, message] : cases) {

@@ -10,9 +10,9 @@ namespace rt::cli_tests {
 
 namespace {
 
-const std::vector<std::string> kCommands{"render",  "encode",     "view",    "check",   "info",
-                                         "schema",  "convert",    "compare", "plugins", "new",
-                                         "explain", "completion", "version", "help"};
+const std::vector<std::string> kCommands{
+    "render",  "encode",  "farm",    "task", "view",    "check",      "info",    "schema",
+    "convert", "compare", "plugins", "new",  "explain", "completion", "version", "help"};
 
 class Help : public Cli {
 protected:

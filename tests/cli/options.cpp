@@ -93,6 +93,13 @@ std::vector<Options::Case> Options::cases() {
             EXPECT_GE(read(file).size(), least) << "of " << file;
         };
     };
+    const auto job = [this](const std::string& folder, const char* key, const Json& value) {
+        return [this, folder, key, value](const Outcome& o) {
+            EXPECT_EQ(o.err, "");
+            EXPECT_EQ(Json::parse(read(folder + "/job.json"))[key], value);
+        };
+    };
+    const std::string farm = "rt farm: error: ", seeFarm = "; see rt farm --help\n";
     const std::string encode = "rt encode: error: ", seeEncode = "; see rt encode --help\n",
                       codecs = "--codec: must be h264, h265, vp9, mpeg4, mjpeg or ffv1 (got 'x')";
     std::vector<Case> rows{
@@ -286,6 +293,58 @@ std::vector<Options::Case> Options::cases() {
          },
          "encode kept.frames --progress dots",
          encode + "--progress: must be auto, bar, plain or none (got 'dots')" + seeEncode},
+        // ---- farm
+        {"farm", "-o", "farm submit film.yaml -o o.avi", encodes("o.avi", 1000),
+         "farm submit film.yaml -o", farm + "--output needs a value" + seeFarm},
+        {"farm", "-s", "farm submit film.yaml -o s.avi --engine print -s 32x20",
+         job("s.job", "size", Json{32, 20}), "farm submit film.yaml -s 3",
+         farm + "--size: must be WIDTHxHEIGHT in pixels, such as 640x480 (got '3')" + seeFarm},
+        {"farm", "--set", "farm submit film.yaml -o set.avi --engine print --set image.width=20",
+         job("set.job", "size", Json{20, 48}), "farm submit film.yaml --set a",
+         farm + "--set: must be PATH=VALUE, such as render.depth=3 (got 'a')" + seeFarm},
+        {"farm", "--frames", "farm submit film.yaml -o n.avi --engine print --frames 1,3 --chunk 2",
+         job("n.job", "tasks", Json{{{"frames", {1, 3}}}}), "farm submit film.yaml --frames 9-",
+         farm + "--frames: must be numbers and ranges, such as 10-20,30 or 10-200:5 (got '9-')" +
+             seeFarm},
+        {"farm", "--codec", "farm submit film.yaml -o codec.avi --codec ffv1",
+         [this](const Outcome&) { EXPECT_NE(read("codec.avi").find("FFV1"), std::string::npos); },
+         "farm submit film.yaml --codec x", farm + codecs + seeFarm},
+        {"farm", "--quality", "farm submit film.yaml -o q1.avi --quality 1",
+         [this](const Outcome&) {
+             rt("farm submit film.yaml -o q2.avi --quality 100");
+             EXPECT_LT(read("q1.avi").size(), read("q2.avi").size());
+         },
+         "farm submit film.yaml --quality 0",
+         farm + "--quality: must be a whole number from 1 to 100 (got '0')" + seeFarm},
+        {"farm", "--plugin-dir",
+         "farm submit film.yaml -o dir.avi --engine print --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "farm submit film.yaml --plugin-dir",
+         farm + "--plugin-dir needs a value" + seeFarm},
+        {"farm", "--allow-missing",
+         "farm submit missing.yaml -o miss.pfm --tiles=64 --allow-missing",
+         [this](const Outcome&) { EXPECT_EQ(pfmSize(read("miss.pfm")), "64x48"); },
+         "farm submit film.yaml --allow-missing=1", noValue("farm", "--allow-missing")},
+        {"farm", "-t", "farm submit film.yaml -o t.avi --engine print -t 3",
+         job("t.job", "threads", Json(3)), "farm submit film.yaml -t 0",
+         farm + "--threads: must be a whole number from 1 to 1024 (got '0')" + seeFarm},
+        {"farm", "--engine", "farm submit film.yaml -o e.avi --engine print --chunk 1",
+         [](const Outcome& o) { EXPECT_EQ(linesOf(o.out).size(), 6u) << o.out; },
+         "farm submit film.yaml --engine sge",
+         farm + "--engine: must be local, slurm or print (got 'sge')" + seeFarm},
+        {"farm", "--chunk", "farm submit film.yaml -o c.mkv --engine print --chunk 4 --job c4",
+         job("c4", "tasks", Json{{{"frames", {0, 1, 2, 3}}}, {{"frames", {4}}}}),
+         "farm submit film.yaml --chunk 0",
+         farm + "--chunk: must be a whole number from 1 to 1000000 (got '0')" + seeFarm},
+        {"farm", "--tiles", "farm submit scene.yaml -o tiles.pfm --tiles=32",
+         [this](const Outcome&) { EXPECT_EQ(read("tiles.pfm"), read("plain.pfm")); },
+         "farm submit scene.yaml --tiles=7",
+         farm + "--tiles: must be a whole number from 8 to 16384 (got '7')" + seeFarm},
+        {"farm", "--job", "farm submit film.yaml -o j.avi --engine print --job other",
+         [this](const Outcome&) { EXPECT_TRUE(exists("other/job.json")); },
+         "farm submit film.yaml --job", farm + "--job needs a value" + seeFarm},
+        {"farm", "-j", "farm submit film.yaml -o jobs.avi --chunk 1 -j 3",
+         encodes("jobs.avi", 1000), "farm submit film.yaml -j 0",
+         farm + "--jobs: must be a whole number from 1 to 1024 (got '0')" + seeFarm},
         // ---- view
         {"view", "-t", "view scene.yaml --script keys.txt -t 1",
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml -t x",
