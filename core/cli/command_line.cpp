@@ -236,7 +236,7 @@ public:
         addFarmOptions(
             add("farm", "Render a film or a huge picture by many processes, or by Slurm.",
                 "rt farm submit film.yaml -o a.mp4 --jobs 2    # on this machine\n"
-                "rt farm status a.job                          # what is done, and what happened\n"
+                "rt farm status a.job                          # what is done\n"
                 "rt farm submit film.yaml -o b.mp4 --engine print   # for other schedulers\n"),
             farm_);
         addTaskOptions(add("task", "Run one task of a job: what `rt farm` submits.",

@@ -9,7 +9,7 @@ constexpr std::uint32_t kMostTasks = 1'000'000, kMostProcesses = 1024, kMostSide
 
 void addFarmOptions(OptionRows& rows, FarmOptions& options) {
     rows.argument("action", "ACTION", "submit, status, resume, cancel or finish.", options.action);
-    rows.argument("what", "SCENE|DIR", "The scene to submit, or the directory of a job.",
+    rows.argument("what", "WHAT", "The scene to submit, or the directory of a job.",
                   options.what);
     // Those of `rt render`, which reads them again.
     const auto forward = [&](const char* names, const char* longName, const char* value,
