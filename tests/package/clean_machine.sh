@@ -7,7 +7,7 @@ root=${RT_CLEAN_ROOT:-$(mktemp -d)}
 mirror=$(apt-get indextargets --format '$(SITE)' 2>/dev/null | grep -m1 -v security || echo http://deb.debian.org/debian)
 [[ -e $root/etc/debian_version ]] || debootstrap --variant=minbase bookworm "$root" "$mirror" >/dev/null
 cp /etc/resolv.conf "$root/etc/resolv.conf"
-{ grep -lsE "Acquire::https?" /etc/apt/apt.conf.d/* || true; } | xargs -r cp -nt "$root/etc/apt/apt.conf.d/" # proxies
+{ grep -lsE "Acquire::(https?|Check)" /etc/apt/apt.conf.d/* || true; } | xargs -r cp -nt "$root/etc/apt/apt.conf.d/" # proxies, and what mirrors of old days need
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
 trap 'umount "$root/proc"' EXIT
 cp "$package" "$root/tmp/rt.deb"
