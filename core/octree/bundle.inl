@@ -9,8 +9,8 @@
 
 constexpr int kRays = 16;
 
-// Bundles against single rays: octree_bench, bunny and stadium, primary and shadow rays.
-constexpr int kFewInNode = 2; // so many rays or fewer go on one by one below a node
+constexpr int kFewInNode =
+    2; // so many rays or fewer go on one by one below a node: the prototype's
 constexpr int kFewInLeaf = 3; // so many or fewer test a leaf one by one; >= kFewInNode
 constexpr std::size_t kWorthBundle = 4;
 
