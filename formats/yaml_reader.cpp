@@ -1,6 +1,7 @@
 #include <formats/yaml_reader.hpp>
 
 #include <core/scene/display_text.hpp>
+#include <core/scene/input_file.hpp>
 #include <core/scene/source.hpp>
 
 #include <yaml-cpp/eventhandler.h>
@@ -34,13 +35,17 @@ std::string plural(std::size_t n, std::string_view noun) {
     return std::to_string(n) + " " + std::string(noun) + (n == 1 ? "" : "s");
 }
 
+std::uint64_t mostBytes(const scene::Limits& limits) {
+    return limits.fileBytes != 0 ? limits.fileBytes : scene::kMaxSceneBytes;
+}
+
 /// Builds nodes from yaml-cpp's events. Keys of a map arrive as nodes that alternate with its
 /// values.
 class TreeBuilder final : public YAML::EventHandler {
 public:
     TreeBuilder(std::shared_ptr<const scene::Source> source, std::string_view text,
-                Diagnostics& diagnostics)
-        : source_(std::move(source)), text_(text), diagnostics_(diagnostics) {}
+                Diagnostics& diagnostics, const scene::Limits& limits)
+        : source_(std::move(source)), text_(text), diagnostics_(diagnostics), limits_(limits) {}
 
     std::optional<Node> root;
 
@@ -98,7 +103,7 @@ public:
         if (found == anchored_.end())
             fail(kCycle, at(mark), "this alias refers to the very node that it stands in");
         count(found->second.nodes, at(mark));
-        if (open_.size() + found->second.depth > kMaxDepth) failDepth(at(mark));
+        if (open_.size() + found->second.depth > limits_.nesting) failDepth(at(mark));
         attach(Node(found->second.node), found->second.nodes, found->second.depth);
     }
 
@@ -141,7 +146,7 @@ private:
     void start(Node::Kind kind, const YAML::Mark& mark, const std::string& tag,
                YAML::anchor_t anchor, YAML::EmitterStyle::value style) {
         refuseTag(mark, tag);
-        if (open_.size() >= kMaxDepth) failDepth(at(mark));
+        if (open_.size() >= limits_.nesting) failDepth(at(mark));
         Open open{.node = {}, .anchor = anchor, .key = {}, .merges = {}};
         open.node.kind = kind;
         open.node.flow = style == YAML::EmitterStyle::Flow;
@@ -274,21 +279,23 @@ private:
 
     void count(std::size_t nodes, const Location& location) {
         visited_ += nodes;
-        if (visited_ > kMaxNodes)
+        if (visited_ > limits_.nodes)
             fail(kTooManyNodes, location,
-                 "the document has more than " + plural(kMaxNodes, "node") +
+                 "the document has more than " + plural(limits_.nodes, "node") +
                      ", aliases expanded; "
                      "large geometry belongs into a mesh file");
     }
 
     [[noreturn]] void failDepth(Location location) const {
         fail(kTooDeep, std::move(location),
-             "lists and maps are nested deeper than " + std::to_string(kMaxDepth) + " levels here");
+             "lists and maps are nested deeper than " + std::to_string(limits_.nesting) +
+                 " levels here");
     }
 
     std::shared_ptr<const scene::Source> source_;
     std::string_view text_;
     Diagnostics& diagnostics_;
+    const scene::Limits limits_;
     std::vector<Open> open_;
     std::unordered_map<YAML::anchor_t, Anchored> anchored_;
     std::size_t visited_ = 0;
@@ -336,7 +343,7 @@ bool checkEncoding(const std::shared_ptr<const scene::Source>& source, Diagnosti
 
 /// yaml-cpp holds a token for every bracket of a line that is still open, before it tells anybody:
 /// 16 MiB of '[' would take 2.7 GB. Quotes and comments are not told apart here, so the limit is
-/// far above kMaxDepth.
+/// far above any limit of nesting.
 bool checkOpenBrackets(const std::shared_ptr<const scene::Source>& source,
                        Diagnostics& diagnostics) {
     constexpr std::size_t kMaxOpen = 10'000;
@@ -432,14 +439,12 @@ void reportSyntax(const YAML::Exception& exception,
 
 } // namespace
 
-std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source,
-                              Diagnostics& diagnostics) {
+std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source, Diagnostics& diagnostics,
+                              const scene::Limits& limits) {
     const std::size_t errorsBefore = diagnostics.errorCount();
     try {
-        if (source->text.size() > kMaxYamlBytes) {
-            diagnostics.error(kTooLarge, {source},
-                              "is larger than " + std::to_string(kMaxYamlBytes >> 20) +
-                                  " MiB, the most that a text file may have");
+        if (source->text.size() > mostBytes(limits)) {
+            diagnostics.error(kTooLarge, {source}, scene::tooLarge(mostBytes(limits)));
             return std::nullopt;
         }
         if (source->text.starts_with("\xEF\xBB\xBF")) { // a byte order mark is no part of line 1
@@ -451,7 +456,7 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source,
             return std::nullopt;
 
         std::istringstream stream{source->text};
-        TreeBuilder builder{source, source->text, diagnostics};
+        TreeBuilder builder{source, source->text, diagnostics, limits};
         try {
             YAML::Parser parser{stream};
             while (parser.HandleNextDocument(builder)) {
@@ -473,9 +478,10 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source,
     }
 }
 
-std::optional<Node> readYaml(const std::string& path, Diagnostics& diagnostics) {
-    auto source = scene::readSource(path, kMaxYamlBytes, diagnostics);
-    return source ? parseYaml(std::move(source), diagnostics) : std::nullopt;
+std::optional<Node> readYaml(const std::string& path, Diagnostics& diagnostics,
+                             const scene::Limits& limits) {
+    auto source = scene::readSource(path, mostBytes(limits), diagnostics);
+    return source ? parseYaml(std::move(source), diagnostics, limits) : std::nullopt;
 }
 
 } // namespace rt::formats

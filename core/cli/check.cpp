@@ -13,7 +13,7 @@ int check(const CheckOptions& options, Console& console) {
         scene::Diagnostics diagnostics;
         if (const auto loaded = loadScene(path, options, catalog, diagnostics))
             plugin_host::lower(loaded->description, catalog, diagnostics,
-                               {.allowMissing = options.allowMissing});
+                               {.allowMissing = options.allowMissing, .limits = options.limits});
         console.report(diagnostics);
         if (!diagnostics.failed() && !console.quiet()) console.result(path + ": no errors\n");
         if (exitCode == kExitOk) exitCode = diagnostics.exitCode();

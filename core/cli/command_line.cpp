@@ -285,13 +285,53 @@ private:
                        [&options](const std::string& word) {
                            options.overrides.push_back(checkedOverride(word));
                        });
-        command.option("--limit-pixels", "N", "Refuse larger pictures; 268435456 by default.",
-                       [&options](const std::string& word) {
-                           options.limitPixels = parseWhole(word, 1, kMaxWhole);
-                       });
+        addLimits(command, options.limits);
+        command.flag("--sandbox",
+                     "Read files of the scene's own folder only, whatever the scene says.",
+                     options.sandbox);
+        command.option(
+            "--allow-read", "DIR",
+            "With --sandbox: read files of this folder too; may be given more than once.",
+            [&options](const std::string& word) {
+                options.readableFolders.push_back(checkedFolder(word));
+            });
         command.flag("--allow-missing", "Leave out objects whose file is missing.",
                      options.allowMissing);
         addPluginDirs(command, options.pluginDirs);
+    }
+    static void addLimits(Command& command, scene::Limits& limits) {
+        const auto whole = [&command](const char* name, const char* text, std::uint32_t max,
+                                      auto& limit) {
+            command.option(name, "N", text, [&limit, max](const std::string& word) {
+                limit = parseWhole(word, 1, max);
+            });
+        };
+        const auto bytes = [&command](const char* name, const char* text, std::uint64_t& limit) {
+            command.option(name, "SIZE", text,
+                           [&limit](const std::string& word) { limit = parseBytes(word); });
+        };
+        whole("--limit-pixels", "Refuse larger pictures; 268435456 by default.", kMaxWhole,
+              limits.pixels);
+        whole("--limit-texture-pixels", "Refuse larger textures; 67108864 by default.", kMaxWhole,
+              limits.texturePixels);
+        whole("--limit-primitives", "Refuse scenes of more triangles, spheres and so on.",
+              kMaxWhole - 1, limits.primitives);
+        whole("--limit-nodes",
+              "Refuse scene files of more keys and values, aliases expanded; 1000000 by default.",
+              kMaxWhole, limits.nodes);
+        whole("--limit-nesting", "Refuse lists and maps nested deeper; 64 by default.",
+              scene::kDeepestNesting, limits.nesting);
+        bytes("--limit-file",
+              "Refuse larger input files, such as 64M; 16M for scenes by default, 4G for meshes.",
+              limits.fileBytes);
+        bytes("--limit-memory", "Use no more memory, such as 2G; what the machine has by default.",
+              limits.memory);
+    }
+    static std::string checkedFolder(const std::string& word) {
+        std::error_code ignored;
+        if (!std::filesystem::is_directory(word, ignored))
+            throw UsageError("must be a folder that exists (got " + scene::quoted(word) + ")");
+        return word;
     }
     static std::string checkedOverride(const std::string& word) {
         const std::size_t equals = word.find('=');
@@ -425,6 +465,9 @@ void Program::addRender() {
              [&o](const std::string& word) {
                  o.shade = static_cast<trace::Shade>(parseChoice(word, kShades));
              });
+    c.flag("--strict",
+           "End with 70 if a sample is no finite number, and draw it magenta instead of black.",
+           o.strict);
     c.option("--pixel", "X,Y", "With --trace: the pixel to explain.",
              [&o](const std::string& word) { o.pixel = parsePixel(word); });
     c.flag("--trace", "Print the ray tree of --pixel on stdout; writes no picture.", o.trace);

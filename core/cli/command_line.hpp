@@ -3,7 +3,7 @@
 #include <converters/inf.hpp>
 #include <core/cli/frame_selection.hpp>
 #include <core/cli/values.hpp>
-#include <core/scene/validate.hpp>
+#include <core/scene/limits.hpp>
 #include <core/trace/render.hpp>
 #include <formats/image_writer.hpp>
 #include <formats/video.hpp>
@@ -26,7 +26,9 @@ struct CommonOptions {
 struct SceneOptions {
     std::vector<std::string> overrides; // `path=value`
     std::vector<std::filesystem::path> pluginDirs;
-    std::uint64_t limitPixels = scene::Limits{}.pixels;
+    scene::Limits limits;
+    std::vector<std::string> readableFolders; // beside the scene's own, with `sandbox`
+    bool sandbox = false;
     bool allowMissing = false;
 };
 
@@ -49,6 +51,7 @@ struct RenderOptions : SceneOptions {
     std::optional<double> timeBudget; // seconds
     std::string samples;              // what --antialias or --max-error asks for, or empty
     bool preview = false;
+    bool strict = false;
     bool trace = false;
     bool statistics = false;
     std::string statisticsFile; // empty: a table on stderr

@@ -1,5 +1,7 @@
 #include <core/cli/console.hpp>
 
+#include <core/scene/display_text.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <cerrno>
@@ -92,8 +94,8 @@ void Console::fail(const std::string& command, int exitCode, const std::string& 
         return;
     }
     sayOnStderr("rt" + (command.empty() ? "" : " " + command) + ": " +
-                (colour_ ? "\033[1;31merror:\033[0m " : "error: ") + sentence +
-                (hint.empty() ? "" : "; " + hint) + "\n");
+                (colour_ ? "\033[1;31merror:\033[0m " : "error: ") +
+                scene::displayed(sentence + (hint.empty() ? "" : "; " + hint)) + "\n");
 }
 
 } // namespace rt::cli

@@ -11,8 +11,9 @@ namespace rt::cli {
 std::optional<world::World> FrameDrawer::lower(const scene::Description& description,
                                                scene::Diagnostics& diagnostics,
                                                std::set<std::string>* files) const {
-    return plugin_host::lower(description, catalog_, diagnostics,
-                              {.allowMissing = options_.allowMissing, .files = files});
+    return plugin_host::lower(
+        description, catalog_, diagnostics,
+        {.allowMissing = options_.allowMissing, .files = files, .limits = options_.limits});
 }
 
 bool FrameDrawer::load(scene::Diagnostics& diagnostics) {

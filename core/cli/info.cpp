@@ -211,8 +211,9 @@ int info(const InfoOptions& options, Console& console) {
         console.result(formats::writeYaml(scene::fullScene(loaded->description)));
         return kExitOk;
     }
-    const auto world = plugin_host::lower(loaded->description, catalog, diagnostics,
-                                          {.allowMissing = options.allowMissing});
+    const auto world =
+        plugin_host::lower(loaded->description, catalog, diagnostics,
+                           {.allowMissing = options.allowMissing, .limits = options.limits});
     console.report(diagnostics);
     if (!world) return diagnostics.exitCode();
     const auto tree = octree::Octree::build(

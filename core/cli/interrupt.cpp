@@ -1,5 +1,7 @@
 #include <core/cli/interrupt.hpp>
 
+#include <core/cli/output_lock.hpp>
+
 #include <csignal>
 
 #include <unistd.h>
@@ -15,7 +17,10 @@ static_assert(std::atomic<bool>::is_always_lock_free &&
               std::atomic<int>::is_always_lock_free); // used in the handler
 
 extern "C" void onSignal(int number) {
-    if (interruptible == 0 || stop.exchange(true)) ::_exit(128 + number);
+    if (interruptible == 0 || stop.exchange(true)) {
+        unlinkLocks();
+        ::_exit(128 + number);
+    }
     signalNumber = number;
 }
 

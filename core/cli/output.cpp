@@ -4,8 +4,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <system_error>
 
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 namespace rt::cli {
@@ -15,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr scene::Code kUnknownSuffix{601}, kNoFolder{602}, kFolderRefuses{603}, kNotAFile{604},
-    kWriteFailed{605};
+    kWriteFailed{605}, kOutside{615};
 
 void error(scene::Diagnostics& diagnostics, scene::Code code, const std::string& path,
            std::string sentence, std::string suggestion = {}) {
@@ -28,6 +30,33 @@ bool isFilm(const fs::path& path) {
     for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     return suffix == ".avi" || suffix == ".mp4" || suffix == ".mkv" || suffix == ".mov" ||
            suffix == ".webm" || suffix == ".mpg";
+}
+
+/// Where a scene, and not the command line, says to write, links included.
+bool isBelowCurrentFolder(const std::string& path) {
+    std::error_code error;
+    const fs::path here = fs::canonical(".", error),
+                   there = fs::weakly_canonical(fs::absolute(path, error), error);
+    return !error &&
+           std::mismatch(here.begin(), here.end(), there.begin(), there.end()).first == here.end();
+}
+
+/// Where the format says before anything is drawn how large the file will be.
+void warnOfSpace(const Output& output, const scene::Image& image, scene::Diagnostics& diagnostics) {
+    const std::uint64_t bytesPerPixel = output.format == formats::ImageFormat::pfm   ? 12
+                                        : output.format == formats::ImageFormat::bmp ? 3
+                                                                                     : 0;
+    const std::uint64_t needed = bytesPerPixel * image.width * image.height;
+    const fs::path target(output.path);
+    struct statvfs space {};
+    if (needed == 0 ||
+        ::statvfs(target.has_parent_path() ? target.parent_path().c_str() : ".", &space) != 0)
+        return;
+    const std::uint64_t free = std::uint64_t{space.f_bavail} * space.f_frsize;
+    if (free < needed)
+        diagnostics.warning({std::make_shared<scene::Source>(scene::Source{output.path, {}}), 0, 0},
+                            "needs " + std::to_string(needed) + " bytes, and its disk has " +
+                                std::to_string(free) + " left");
 }
 
 std::string suffixSuggestion(const fs::path& path) {
@@ -68,7 +97,8 @@ void checkWritable(const std::string& path, scene::Diagnostics& diagnostics) {
 std::vector<Output> planOutputs(const RenderOptions& options, const scene::Description& description,
                                 scene::Diagnostics& diagnostics) {
     std::vector<std::string> paths = options.outputs;
-    if (paths.empty()) {
+    const bool byScene = paths.empty();
+    if (byScene) {
         const std::string still = fs::path(options.scene).stem().string() + ".png";
         const std::string& said = description.image.file;
         paths.push_back(said.empty() || isFilm(said) ? still : said);
@@ -89,7 +119,12 @@ std::vector<Output> planOutputs(const RenderOptions& options, const scene::Descr
             continue;
         }
         if (path != "-") checkWritable(path, diagnostics);
+        if (byScene && !isBelowCurrentFolder(path))
+            error(diagnostics, kOutside, path, "leads out of the current folder by a link",
+                  "to write there: -o " + path);
         outputs.push_back({path, options.format ? *options.format : *bySuffix});
+        if (path != "-" && !options.crop)
+            warnOfSpace(outputs.back(), description.image, diagnostics);
     }
     return outputs;
 }
@@ -127,6 +162,19 @@ std::string partialName(const std::string& path) {
         .string();
 }
 
+namespace {
+
+/// "No space left on device (36880 bytes needed, 0 free)": what() is "cannot write 'PATH' (...): reason".
+std::string reasonOf(const std::system_error& problem) {
+    const std::string what = problem.what(), reason = problem.code().message();
+    const std::size_t open = what.rfind(" ("), close = what.rfind("): ");
+    const bool space = open != what.npos && close != what.npos && open < close &&
+                       what.substr(open, close - open).ends_with(" free");
+    return space ? reason + what.substr(open, close + 1 - open) : reason;
+}
+
+} // namespace
+
 bool writeOutput(const std::string& path, const std::vector<std::byte>& bytes,
                  const Console& console, scene::Diagnostics& diagnostics) {
     if (path == "-") {
@@ -140,9 +188,9 @@ bool writeOutput(const std::string& path, const std::vector<std::byte>& bytes,
         formats::writeFileAtomically(resolved.string(), bytes);
         return true;
     } catch (const std::system_error& problem) {
+        if (problem.code() == std::errc::not_enough_memory) throw std::bad_alloc();
         error(diagnostics, kWriteFailed, path,
-              std::string("cannot be written: ") + problem.code().message() +
-                  "; what was there before is untouched");
+              "cannot be written: " + reasonOf(problem) + "; what was there before is untouched");
         return false;
     }
 }

@@ -18,7 +18,7 @@ struct Output {
 };
 
 /// The outputs of `--output`, or else the scene's own file, or else ./<stem>.png; all of them checked: the suffix is known, the
-/// folder is there and takes files, what is there now is a regular file. Errors E0601 to E0606.
+/// folder is there and takes files, what is there now is a regular file. Errors E0601 to E0604, E0615.
 std::vector<Output> planOutputs(const RenderOptions& options, const scene::Description& description,
                                 scene::Diagnostics& diagnostics);
 

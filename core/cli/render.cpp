@@ -5,6 +5,7 @@
 #include <core/cli/interrupt.hpp>
 #include <core/cli/load_scene.hpp>
 #include <core/cli/output.hpp>
+#include <core/cli/output_lock.hpp>
 #include <core/cli/progress.hpp>
 #include <core/cli/ray_tree_text.hpp>
 #include <core/cli/statistics.hpp>
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include <unistd.h>
 
@@ -72,6 +74,17 @@ bool write(const image::Framebuffer& frame, const std::vector<Output>& outputs,
     for (std::size_t i = 0; i < outputs.size(); ++i)
         if (!writeOutput(outputs[i].path, encoded[i], console, diagnostics)) return false;
     return true;
+}
+
+std::vector<OutputLock> lockAll(const std::vector<Output>& outputs,
+                                scene::Diagnostics& diagnostics) {
+    std::vector<OutputLock> locks;
+    std::set<std::string> locked{"-"}; // the same file may be named twice
+    for (const Output& output : outputs)
+        if (locked.insert(output.path).second)
+            if (auto lock = OutputLock::take(output.path, diagnostics))
+                locks.push_back(std::move(*lock));
+    return locks;
 }
 
 /// What was drawn until the signal goes beside where the picture would have been.
@@ -155,6 +168,8 @@ int render(const RenderOptions& options, Console& console) {
     if (!options.trace) outputs = planOutputs(options, description, diagnostics);
     if (!options.statisticsFile.empty()) checkWritable(options.statisticsFile, diagnostics);
     if (diagnostics.failed()) return finish();
+    const std::vector<OutputLock> locks = lockAll(outputs, diagnostics);
+    if (diagnostics.failed()) return finish();
 
     std::vector<std::shared_future<void>> codecs; // open while the picture is traced
     for (const Output& output : outputs) codecs.push_back(formats::openCodec(output.format));
@@ -162,7 +177,7 @@ int render(const RenderOptions& options, Console& console) {
     phases.begin("load");
     const auto lower = [&](const scene::Description& lowered, scene::Diagnostics& problems) {
         return plugin_host::lower(lowered, catalog, problems,
-                                  {.allowMissing = options.allowMissing});
+                                  {.allowMissing = options.allowMissing, .limits = options.limits});
     };
     auto world = lower(loaded->description, diagnostics);
     if (!world) return finish();
@@ -207,15 +222,16 @@ int render(const RenderOptions& options, Console& console) {
     traceOptions.progress = [&](double done) { progress.show(share = done); };
     traceOptions.count = options.statistics;
     traceOptions.timeBudget = options.timeBudget;
+    traceOptions.markNotFinite = options.strict;
     trace::Result result = trace::render(tree, *world, description, traceOptions);
     progress.finish(result.complete ? 1 : share);
     if (options.crop) result.frame = cut(result.frame, *options.crop);
     if (!result.complete)
         return finishInterrupted(result.frame, share, outputs, options, description.image, console);
-    if (result.counts.notFinite)
-        diagnostics.warning(wholeFile(options.scene), std::to_string(result.counts.notFinite) +
-                                                          " samples were not a finite number and "
-                                                          "are black");
+    const std::string notFinite =
+        std::to_string(result.counts.notFinite) + " samples were not a finite number and are ";
+    if (result.counts.notFinite != 0 && !options.strict)
+        diagnostics.warning(wholeFile(options.scene), notFinite + "black");
 
     phases.begin("write");
     if (!write(result.frame, outputs, options, description.image, console, diagnostics))
@@ -227,7 +243,10 @@ int render(const RenderOptions& options, Console& console) {
     if (options.statistics)
         reportStatistics({phases, options, description, *world, tree.statistics(), result, threads},
                          console, diagnostics);
-    return finish();
+    const int exitCode = finish();
+    if (exitCode != kExitOk || result.counts.notFinite == 0 || !options.strict) return exitCode;
+    console.fail("render", kExitInternal, notFinite + "magenta", "");
+    return kExitInternal;
 }
 
 } // namespace rt::cli

@@ -54,6 +54,19 @@ std::uint32_t parseWhole(std::string_view word, std::uint32_t min, std::uint32_t
     return value;
 }
 
+std::uint64_t parseBytes(std::string_view word) {
+    constexpr std::string_view kUnits = "KMGT";
+    std::string_view digits = word;
+    unsigned shift = 0;
+    if (!word.empty())
+        if (const std::size_t unit = kUnits.find(word.back()); unit != kUnits.npos)
+            shift = 10 * (static_cast<unsigned>(unit) + 1), digits.remove_suffix(1);
+    std::uint32_t value = 0;
+    if (!readWhole(digits, value) || value == 0)
+        refuse("must be a number of bytes, such as 4096, 64K, 16M or 2G", word);
+    return std::uint64_t{value} << shift;
+}
+
 double parseReal(std::string_view word, double min, double max) {
     double value = 0;
     const char* const end = word.data() + word.size();

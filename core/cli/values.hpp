@@ -25,6 +25,8 @@ using Rectangle = std::array<std::uint32_t, 4>;
 
 /// All throw UsageError with a sentence that starts with what the word must be.
 std::uint32_t parseWhole(std::string_view word, std::uint32_t min, std::uint32_t max);
+/// "4096", "64K", "16M", "2G": powers of 1024, at least 1.
+std::uint64_t parseBytes(std::string_view word);
 double parseReal(std::string_view word, double min, double max);
 /// Seconds, above 0: `10s`, `500ms`, `2min`, or a number of seconds.
 double parseDuration(std::string_view word);

@@ -140,8 +140,9 @@ std::shared_ptr<const view::Stage> loadStage(const ViewOptions& options,
         std::make_unique<plugin_host::Catalog>(plugin_host::searchPath(options.pluginDirs));
     auto loaded = loadScene(options.scene, options, *fresh, diagnostics);
     if (!loaded) return nullptr;
-    auto world = plugin_host::lower(loaded->description, *fresh, diagnostics,
-                                    {.allowMissing = options.allowMissing});
+    auto world =
+        plugin_host::lower(loaded->description, *fresh, diagnostics,
+                           {.allowMissing = options.allowMissing, .limits = options.limits});
     if (!world) return nullptr;
     catalog = std::move(fresh);
     return staged(std::move(loaded->description), std::move(*world), options.threads);
@@ -268,8 +269,9 @@ int view(const ViewOptions& options, Console& console) {
     services.frame = [&](std::uint32_t number) -> std::shared_ptr<const view::Stage> {
         scene::Diagnostics found;
         const auto lower = [&](const scene::Description& still, scene::Diagnostics& problems) {
-            return plugin_host::lower(still, *catalog, problems,
-                                      {.allowMissing = options.allowMissing});
+            return plugin_host::lower(
+                still, *catalog, problems,
+                {.allowMissing = options.allowMissing, .limits = options.limits});
         };
         auto frame = film::frameAt(rest->description, rest->world, number, lower, found);
         console.report(found);

@@ -13,7 +13,6 @@ namespace rt::plugin_host {
 inline constexpr scene::Code kValueRefused{348}; // a plugin cannot use a value of the scene
 inline constexpr scene::Code kTextureCycle{349}; // textures that need each other
 inline constexpr scene::Code kNoSuchFile{401};
-inline constexpr scene::Code kNotReadable{402};
 inline constexpr scene::Code kMeshFile{420};     // a loader cannot use the file
 inline constexpr scene::Code kImageFile{450};    // a texture cannot use the file
 inline constexpr scene::Code kPluginType{501};   // a type that lowering itself needs cannot be had
@@ -25,6 +24,8 @@ inline constexpr scene::Code kPluginCrashed{533}; // said by fault_report, as te
 inline constexpr scene::Code kTooManyPrimitives{701};
 inline constexpr scene::Code kTooFarOut{702}; // a coordinate beyond kLargestCoordinate
 inline constexpr scene::Code kNoMemory{703};
+inline constexpr scene::Code kFileTooLarge{710};
+inline constexpr scene::Code kPluginLimit{714}; // a plugin holds a file against a limit
 
 class Lowering;
 

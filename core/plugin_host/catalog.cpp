@@ -2,9 +2,11 @@
 
 #include <core/plugin_host/module.hpp>
 #include <core/scene/diagnostic.hpp>
+#include <core/scene/input_file.hpp>
 
 #include <algorithm>
 #include <map>
+#include <new>
 
 namespace rt::plugin_host {
 namespace {
@@ -47,14 +49,12 @@ struct Catalog::Impl {
         for (const fs::path& folder : folders) {
             std::error_code error;
             const fs::path real = fs::canonical(folder, error);
+            if (error == std::errc::not_enough_memory) throw std::bad_alloc();
             if (error || std::find(trusted.begin(), trusted.end(), real) != trusted.end()) continue;
             trusted.push_back(real);
-            for (fs::directory_iterator entry(real, error), end; !error && entry != end;
-                 entry.increment(error)) {
-                const std::string fileName = entry->path().filename().string();
-                if (const std::string_view stem = stemOf(fileName); !stem.empty())
-                    files[std::string(stem)].push_back(entry->path());
-            }
+            for (const std::string& name : scene::namesIn(real.string()))
+                if (const std::string_view stem = stemOf(name); !stem.empty())
+                    files[std::string(stem)].push_back(real / name);
         }
     }
 
@@ -138,6 +138,8 @@ std::vector<ModuleInfo> Catalog::openAll() {
     for (const auto& [name, paths] : impl_->files) all.push_back(impl_->open(name));
     return all;
 }
+
+const std::vector<fs::path>& Catalog::folders() const { return impl_->folders; }
 
 std::vector<ModuleInfo> Catalog::opened() const {
     std::vector<ModuleInfo> opened;

@@ -34,6 +34,8 @@ public:
     ModuleInfo open(std::string_view name);
     /// Opens everything on the path, broken modules included: `rt plugins`.
     std::vector<ModuleInfo> openAll();
+    /// Where it looks, as given.
+    const std::vector<std::filesystem::path>& folders() const;
     /// What has been opened so far, in order: `rt info`.
     std::vector<ModuleInfo> opened() const;
 

@@ -1,16 +1,14 @@
 #include <core/plugin_host/lower.hpp>
 
 #include <core/plugin_host/call.hpp>
+#include <core/plugin_host/confined.hpp>
 #include <core/plugin_host/fault_report.hpp>
 #include <core/plugin_host/sink.hpp>
 #include <core/plugin_host/values.hpp>
+#include <core/scene/input_file.hpp>
 #include <core/scene/validate.hpp>
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -21,35 +19,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr scene::Code kNotConfined{409};
+
 std::string inQuotes(const std::string& text) { return "'" + text + "'"; }
 
-/// Why `path` is no readable regular file, with the code that says so; nothing if it is one.
-std::optional<std::pair<scene::Code, std::string>> whyUnreadable(const std::string& path) {
-    struct stat status {};
-    const auto cannot = [&](const std::string& why) {
-        return "cannot read " + inQuotes(path) + ": " + why;
-    };
-    if (stat(path.c_str(), &status) != 0) {
-        const bool missing = errno == ENOENT || errno == ENOTDIR;
-        return std::pair(missing ? kNoSuchFile : kNotReadable,
-                         cannot(missing ? "there is no such file" : std::strerror(errno)));
-    }
-    if (S_ISDIR(status.st_mode)) return std::pair(kNotReadable, cannot("it is a folder"));
-    if (!S_ISREG(status.st_mode))
-        return std::pair(kNotReadable, cannot("it is not a regular file"));
-    if (access(path.c_str(), R_OK) != 0)
-        return std::pair(kNotReadable, cannot(std::strerror(errno)));
+/// Why `path` is no readable regular file of at most `maxBytes`, with the code that says so; nothing if it is one.
+std::optional<std::pair<scene::Code, std::string>> whyUnreadable(const std::string& path,
+                                                                 std::uint64_t maxBytes) {
+    const auto file = scene::InputFile::open(path);
+    if (const auto* refusal = std::get_if<scene::FileRefusal>(&file))
+        return std::pair(refusal->code, inQuotes(path) + ": " + refusal->reason);
+    if (std::get<scene::InputFile>(file).size() > maxBytes)
+        return std::pair(kFileTooLarge, inQuotes(path) + ": is larger than " +
+                                            std::to_string(maxBytes) +
+                                            " bytes, the limit of input files");
     return {};
 }
 
 /// "did you mean 'dragon.obj'?", from the files beside a missing one.
 std::string suggestionFor(const fs::path& missing) {
-    std::vector<std::string> names;
-    std::error_code error;
     constexpr std::size_t kMostNames = 10000; // a folder with more is not worth the wait
-    for (fs::directory_iterator entry(missing.parent_path(), error), end;
-         !error && entry != end && names.size() < kMostNames; entry.increment(error))
-        names.push_back(entry->path().filename().string());
+    const auto names = scene::namesIn(missing.parent_path().string(), kMostNames);
     const std::string name = scene::nearest(missing.filename().string(), names);
     return name.empty() ? "" : "did you mean " + inQuotes(name) + "?";
 }
@@ -103,6 +93,18 @@ private:
         return RT_FAILED;
     }
 
+    static rt_status exceeds(const rt_host* host, std::int32_t parameter, const char* message) {
+        Call& call = callOf(host);
+        const auto i = static_cast<std::size_t>(parameter);
+        const bool named = parameter >= 0 && i < call.rows.size();
+        call.diagnostics->error(kPluginLimit, named ? (*call.values)[i].location : call.location,
+                                call.subject +
+                                    (named ? std::string(", ") + call.rows[i].name : "") + ": " +
+                                    (message != nullptr ? message : "it gave no reason"));
+        call.failed = true;
+        return RT_FAILED;
+    }
+
     static void note(const rt_host* host, const char* message) {
         Call& call = callOf(host);
         call.diagnostics->note(call.location, call.subject + ": " + message);
@@ -128,6 +130,8 @@ private:
         call.host.fail = &fail;
         call.host.note = &note;
         call.host.load = &load;
+        call.host.max_texels = options_.limits.texturePixels;
+        call.host.exceeds = &exceeds;
         call.lowering = this;
         call.diagnostics = &diagnostics_;
         call.subject = std::string(kind) + " " + inQuotes(instance.type);
@@ -179,7 +183,7 @@ private:
             const std::string& path = rows[i].type == RT_FILE ? pathOf(values[i]) : std::string();
             if (path.empty()) continue;
             if (options_.files) options_.files->insert(path);
-            const auto why = whyUnreadable(path);
+            const auto why = whyUnreadable(path, mostBytes());
             if (!why) continue;
             if (why->first == kNoSuchFile && mayMiss) {
                 diagnostics_.warning(values[i].location, why->second + "; " + leftOut);
@@ -191,6 +195,10 @@ private:
             }
         }
         return result;
+    }
+
+    std::uint64_t mostBytes() const {
+        return options_.limits.fileBytes != 0 ? options_.limits.fileBytes : scene::kMaxMeshBytes;
     }
 
     // ---- textures -----------------------------------------------------------------------------------------
@@ -253,7 +261,7 @@ private:
         if (const auto known = images_.find(path); known != images_.end()) return known->second;
         const material::Texture*& made = images_[path] = nullptr;
         if (options_.files) options_.files->insert(path);
-        if (const auto why = whyUnreadable(path)) {
+        if (const auto why = whyUnreadable(path, mostBytes())) {
             if (why->first == kNoSuchFile && options_.allowMissing) {
                 diagnostics_.warning(call.location, why->second + "; its material goes without it");
             } else {
@@ -343,6 +351,7 @@ private:
         target.material =
             object.material ? geometry::MaterialId{*object.material} : defaultMaterial();
         target.worldFromObject = object.worldFromObject;
+        target.maxPrimitives = options_.limits.primitives;
         target.imageTexture = [this](Call& asking, const char* path) {
             return imageTexture(asking, path);
         };
@@ -408,7 +417,13 @@ private:
 
 std::optional<world::World> lower(const scene::Description& description, Catalog& catalog,
                                   scene::Diagnostics& diagnostics, const LowerOptions& options) {
-    return Lowering(description, catalog, diagnostics, options).run();
+    std::optional<world::World> world;
+    if (!runConfined(catalog.folders(),
+                     [&] { world = Lowering(description, catalog, diagnostics, options).run(); }))
+        diagnostics.error(
+            kNotConfined, {},
+            "--sandbox needs a kernel with Landlock (Linux 5.13), and this one has none");
+    return world;
 }
 
 } // namespace rt::plugin_host

@@ -3,6 +3,7 @@
 #pragma once
 #include <core/plugin_host/catalog.hpp>
 #include <core/scene/description.hpp>
+#include <core/scene/limits.hpp>
 #include <core/world/world.hpp>
 
 #include <optional>
@@ -15,6 +16,7 @@ struct LowerOptions {
     bool allowMissing = false; // objects whose file is missing are left out, with a warning
     /// Gains the files that values and materials name, once each; not what a loader's file names in its turn, but images.
     std::set<std::string>* files = nullptr;
+    scene::Limits limits;
 };
 
 /// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx

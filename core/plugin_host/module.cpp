@@ -10,8 +10,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <set>
 
 namespace rt::plugin_host {
@@ -181,7 +183,13 @@ std::variant<const rt_module*, std::string> openModule(const fs::path& path,
     // RTLD_NOW: a missing symbol fails here by name, not in the middle of a frame. RTLD_LOCAL:
     // plugins never see each other.
     void* library = dlopen(real.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) return std::string("it cannot be opened (") + dlerror() + ")";
+    if (library == nullptr) {
+        const char* const said = dlerror();
+        const std::string words = said != nullptr ? said : "out of memory";
+        if (words == "out of memory" || words.ends_with(std::strerror(ENOMEM)))
+            throw std::bad_alloc(); // of no fault of the module
+        return "it cannot be opened (" + words + ")";
+    }
     std::string why;
     const auto* module = static_cast<const rt_module*>(dlsym(library, "rt_plugin_entry"));
     Dl_info info{};

@@ -21,7 +21,7 @@ std::string_view stemOf(std::string_view fileName);
 /// The module, open until the process ends, or a clause that continues "PATH was refused: ". Checks
 /// in order: name; real path inside one of `trusted` (canonical folders); owner and mode; ELF and
 /// stamp in the file; only then it opens the file, and holds what it finds against the rules of
-/// plugin.h. Never throws, never prints.
+/// plugin.h. Throws only std::bad_alloc, never prints.
 std::variant<const rt_module*, std::string>
 openModule(const std::filesystem::path& path, const std::vector<std::filesystem::path>& trusted);
 

@@ -90,9 +90,10 @@ bool Sink::isUsable(const Vec3& worldPoint, const char* what, std::uint64_t inde
 }
 
 bool Sink::hasRoomFor(std::uint64_t count) {
-    constexpr std::uint64_t kMost = kNoIndex - 1; // the last id means none
-    if (target_.world->primitives.count() + count <= kMost) return true;
-    refuse(kTooManyPrimitives, "the scene has more than 2^32 - 2 primitives");
+    const std::uint64_t most =
+        std::min<std::uint64_t>(target_.maxPrimitives, kNoIndex - 1); // the last id means none
+    if (target_.world->primitives.count() + count <= most) return true;
+    refuse(kTooManyPrimitives, "the scene has more than " + number(most) + " primitives");
     return false;
 }
 

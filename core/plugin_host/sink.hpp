@@ -23,6 +23,7 @@ public:
         geometry::MaterialId material; // of what names no other
         bool fileMaterials;            // the object leaves its materials to the file
         numeric::AffineTransform worldFromObject;
+        std::uint64_t maxPrimitives = 0; // of the whole world
         // A texture for a material's color_file, or nothing after having refused.
         std::function<const material::Texture*(Call&, const char* path)> imageTexture;
     };

@@ -190,11 +190,7 @@ std::string format(const Diagnostic& diagnostic, bool colour) {
     };
     std::string place;
     if (const Location& location = diagnostic.location; location.source) {
-        for (std::string_view rest = location.source->path; !rest.empty();) {
-            const CodePoint codePoint = decodeUtf8(rest);
-            place += glyphOf(codePoint, rest).text;
-            rest.remove_prefix(codePoint.bytes);
-        }
+        place = displayed(location.source->path);
         if (location.line != 0)
             place += ":" + std::to_string(location.line) + ":" + std::to_string(location.column);
         place = paint("1", place + ":") + " ";
@@ -204,7 +200,7 @@ std::string format(const Diagnostic& diagnostic, bool colour) {
     const std::string_view hue = diagnostic.severity == Severity::error     ? "1;31"
                                  : diagnostic.severity == Severity::warning ? "1;35"
                                                                             : "1;36";
-    return place + paint(hue, label + ":") + " " + sentenceOf(diagnostic) + "\n" +
+    return place + paint(hue, label + ":") + " " + displayed(sentenceOf(diagnostic)) + "\n" +
            excerpt(diagnostic.location, colour);
 }
 

@@ -104,4 +104,14 @@ Glyph glyphOf(const CodePoint& codePoint, std::string_view bytes) {
                                                                                    : 1};
 }
 
+std::string displayed(std::string_view text) {
+    std::string shown;
+    while (!text.empty()) {
+        const CodePoint codePoint = decodeUtf8(text);
+        shown += glyphOf(codePoint, text).text;
+        text.remove_prefix(codePoint.bytes);
+    }
+    return shown;
+}
+
 } // namespace rt::scene

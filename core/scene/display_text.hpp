@@ -27,4 +27,7 @@ struct Glyph {
 /// Control characters and invalid bytes as \n, \t, \x1b, \u{200e}; everything else as it is.
 Glyph glyphOf(const CodePoint& codePoint, std::string_view bytes);
 
+/// All of `text` as glyphs: what a file or plugin says cannot move the cursor or colour the terminal.
+std::string displayed(std::string_view text);
+
 } // namespace rt::scene

@@ -214,6 +214,9 @@ known only when the mesh can be read.)"},
      R"(The file exists, but may not be read, or reading it failed.)"},
     {Code{403}, "not a regular file",
      R"(Only regular files are read: no folders, pipes, sockets or devices.)"},
+    {Code{404}, "file outside of the sandbox",
+     R"(With --sandbox only files that really lie in the scene's folder, or in one of --allow-read,
+are read, whatever links and '..' lead there.)"},
     {Code{405}, "not a viewer script",
      R"(rt view --script reads one command a line; a # starts a comment:
 
@@ -234,6 +237,9 @@ manifest says or has another checksum. `rt render ... --resume` renders exactly 
     {Code{408}, "no job directory",
      R"(`rt farm` and `rt task` take the directory that `rt farm submit` has made, NAME.job by
 default. It lies on a disk that all nodes share.)"},
+    {Code{409}, "no sandbox here",
+     R"(--sandbox has the kernel hold plugins to the readable folders (Landlock, Linux 5.13 and newer).
+This kernel cannot, so nothing was read.)"},
     {Code{410}, "not an .inf or movie file", R"(The file is no text.)"},
     {Code{420}, "mesh file that cannot be used",
      R"(The loader of the file cannot make geometry of it; its message says where and why.)"},
@@ -264,6 +270,9 @@ say where it lies.)"},
      R"(The plugin could not do what it was asked; its message says why.)"},
     {Code{531}, "plugin threw an exception",
      R"(An exception left the plugin. This is an error in the plugin.)"},
+    {Code{532}, "plugin with impossible geometry",
+     R"(The plugin handed over an index beyond its array, a number that is not finite, or the like.
+This is an error in the plugin.)"},
     {Code{533}, "plugin crashed",
      R"(The plugin's own code was running when the program got a signal that ends it, or called exit. The message
 names the function of the plugin that rt had called, and the place in its file where it happened: give that to
@@ -286,8 +295,9 @@ at its place before is untouched.)"},
     {Code{606}, "encoding failed", R"(The picture cannot be written in this format.)"},
     {Code{607}, "file that would be replaced",
      R"(The output exists already. Name another one, or allow it to be replaced.)"},
-    {Code{608}, "frames in use",
-     R"(Another process is rendering frames into the same folder.)"},
+    {Code{608}, "output in use",
+     R"(Another process is writing the same file, or rendering frames into the same folder; the message says which, and since when. A lock that a
+killed process has left behind is none.)"},
     {Code{609}, "frames of an earlier run",
      R"(The folder already has frames, which may have taken long to render. --resume keeps those
 that are complete and renders the rest, --overwrite deletes them.)"},
@@ -304,22 +314,34 @@ on with it; --job names another directory.)"},
 gone, `rt farm resume` repeats these tasks only.)"},
     {Code{613}, "the farm cannot go on",
      R"(The scheduler does not answer, or a file of the job cannot be read or written.)"},
+    {Code{615}, "output outside of the current folder",
+     R"(The scene says where its picture goes, and a symbolic link leads from there out of the current
+folder. Only -o may name such a place.)"},
 
     // ---- exit 7: limits
     {Code{701}, "too many primitives",
-     R"(The scene has more primitives than their 32 bit numbers can tell apart.)"},
+     R"(The scene has more primitives than --limit-primitives allows, or than 32 bit numbers can tell
+apart.)"},
     {Code{702}, "coordinate too far out",
      R"(A coordinate is beyond what the boxes of the octree can hold.)"},
-    {Code{703}, "out of memory", R"(There is not enough memory. Nothing was written.)"},
-    {Code{710}, "text file too large",
-     R"(Scenes have at most 16 MiB. Large geometry belongs into mesh files.)"},
-    {Code{711}, "nested too deeply", R"(Lists and maps of a scene are nested at most 64 deep.)"},
+    {Code{703}, "out of memory",
+     R"(There is not enough memory, or not as much as --limit-memory allows. Nothing was written.)"},
+    {Code{710}, "file too large",
+     R"(Scenes have at most 16 MiB, mesh files 4 GiB; --limit-file says otherwise. Large geometry belongs
+into mesh files.)"},
+    {Code{711}, "nested too deeply",
+     R"(Lists and maps of a scene are nested at most 64 deep; --limit-nesting says otherwise.)"},
     {Code{712}, "too many nodes",
      R"(A scene has at most a million nodes (keys, values, lists and maps), each alias counting as
-often as it is used. Large geometry belongs into mesh files.)"},
+often as it is used; --limit-nodes says otherwise. Large geometry belongs into mesh files.)"},
     {Code{713}, "too many pixels",
      R"(A picture has at most 2^28 pixels, a texture 2^26, so that a wrong digit does not take all
 memory. --limit-pixels raises the limit of the picture.)"},
+    {Code{714}, "more than a plugin may take",
+     R"(A texture has more texels than --limit-texture-pixels allows; 2^26 by default.)"},
+    {Code{715}, "picture larger than the memory",
+     R"(A picture takes about 72 bytes of memory a pixel while it is drawn and saved. The message says
+how much that is, and how much there is: of --limit-memory, or of the machine.)"},
 };
 
 } // namespace

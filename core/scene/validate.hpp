@@ -1,6 +1,7 @@
 // Nodes to a description: types, ranges, names, units, all errors at once.
 #pragma once
 #include <core/scene/description.hpp>
+#include <core/scene/limits.hpp>
 #include <core/scene/node.hpp>
 #include <core/scene/type_catalog.hpp>
 
@@ -9,10 +10,6 @@
 #include <variant>
 
 namespace rt::scene {
-
-struct Limits {
-    std::uint64_t pixels = std::uint64_t{1} << 28; // of one picture
-};
 
 /// The description, or nothing when `diagnostics` has gained an error. Paths in the scene are relative to the folder
 /// of the file that names them.

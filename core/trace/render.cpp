@@ -31,8 +31,10 @@ Result render(const octree::Octree& octree, const world::World& world,
     const scene::Image& image = description.image;
     const scene::Render& settings = description.render;
     const Stage stage(octree, world, description);
-    const View view{
-        stage, {description.camera, image.width, image.height, settings.nearPlane}, image.tone};
+    const View view{stage,
+                    {description.camera, image.width, image.height, settings.nearPlane},
+                    image.tone,
+                    options.markNotFinite ? LinearRgb{1, 0, 1} : LinearRgb{}};
     const Sampler sampler = samplerFor(stage, options);
     const Region wanted = regionOf(image, options);
     const bool full = options.shade == Shade::full;

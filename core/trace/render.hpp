@@ -27,6 +27,7 @@ struct Options {
     const std::atomic<bool>* stop = nullptr;    // polled between tiles and rows of tiles
     std::function<void(double share)> progress; // one thread at a time, share in [0, 1]
     bool count = false;                         // fill the visit counters
+    bool markNotFinite = false; // samples that are no finite number are magenta instead of black
     /// Seconds for antialias: {max_error}, whose own bound then is the least that is tried for.
     std::optional<double> timeBudget;
 };

@@ -46,7 +46,7 @@ void sampleLight(const View& view, std::span<const PicturePoint> points, LinearR
             if (isFinite(light[i]))
                 *colorOf[i] = toned(light[i], view.tone);
             else
-                ++counts.notFinite;
+                *colorOf[i] = view.notFinite, ++counts.notFinite;
         }
     });
 }
@@ -102,7 +102,7 @@ void sampleFirstHit(const View& view, std::span<const PicturePoint> points, Line
             if (isFinite(color))
                 *colorOf[i] = color;
             else
-                ++counts.notFinite;
+                *colorOf[i] = view.notFinite, ++counts.notFinite;
         }
     });
 }

@@ -18,6 +18,7 @@ struct View {
     const Stage& stage;
     Camera camera;
     scene::Tone tone;
+    LinearRgb notFinite; // drawn for samples that are no finite number
 };
 
 /// colors[i] is what is seen through points[i], after tone. A pure function of the view and the point.

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <iostream>
 
 struct ImageParameters {
@@ -40,7 +41,6 @@ constexpr std::array kParameters{
 
 namespace {
 
-constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 26; // 8192 x 8192
 constexpr off_t kMostBytes = off_t{1} << 30; // what 2^26 texels of four floats take in a file
 
 /// The positive fifth root for a >= 0, by Newton's method from above: + - * / only, so the same bits everywhere.
@@ -190,16 +190,25 @@ private:
     std::string bytes_;
 };
 
-/// What OpenCV says on std::cerr about a file is said better below.
+/// What OpenCV says on std::cerr, and libpng on stderr, about a file is said better below. The variable is exchanged, not the
+/// descriptor, which others write to.
 class QuietErrorStream {
 public:
-    QuietErrorStream() : before_(std::cerr.rdbuf(nullptr)) {}
-    ~QuietErrorStream() { std::cerr.rdbuf(before_); }
+    QuietErrorStream() : before_(std::cerr.rdbuf(nullptr)), file_(stderr) {
+        if (std::FILE* const nowhere = fopencookie(nullptr, "w", {})) stderr = nowhere;
+    }
+    ~QuietErrorStream() {
+        std::cerr.rdbuf(before_);
+        if (stderr == file_) return;
+        std::fclose(stderr);
+        stderr = file_;
+    }
     QuietErrorStream(const QuietErrorStream&) = delete;
     QuietErrorStream& operator=(const QuietErrorStream&) = delete;
 
 private:
     std::streambuf* before_;
+    std::FILE* file_;
 };
 
 Image create(const ImageParameters& parameters, rt::Host& host) {
@@ -209,9 +218,11 @@ Image create(const ImageParameters& parameters, rt::Host& host) {
     if (const auto* why = std::get_if<std::string>(&header)) throw rt::ParameterError("file", *why);
     const auto [format, width, height] = std::get<ImageHeader>(header);
     const std::string size = std::to_string(width) + " x " + std::to_string(height);
-    if (width == 0 || height == 0 || width > kMostTexels || height > kMostTexels / width)
-        throw rt::ParameterError("file", "says that it has " + size +
-                                             " texels; between 1 and 2^26 are possible");
+    if (width == 0 || height == 0)
+        throw rt::ParameterError("file", "says that it has " + size + " texels");
+    if (width > host.maxTexels() || height > host.maxTexels() / width)
+        throw rt::LimitError("file", "has " + size + " texels, more than the limit of " +
+                                         std::to_string(host.maxTexels()));
 
     cv::Mat pixels;
     try {

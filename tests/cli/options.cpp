@@ -25,6 +25,7 @@ protected:
         std::string badMessage; // all of stderr; the exit code is 2
     };
     std::vector<Case> cases();
+    void addSandboxAndLimits(std::vector<Case>& rows);
 
     /// "WxH" of a PFM.
     std::string pfmSize(const std::string& bytes) const {
@@ -149,14 +150,6 @@ std::vector<Options::Case> Options::cases() {
          "render scene.yaml -o a.pfm --set image.width=20 --set objects.left.radius=0.25",
          sized("20x48"), "render scene.yaml --set image.width",
          render + "--set: must be PATH=VALUE, such as render.depth=3 (got 'image.width')" + see},
-        {"render", "--limit-pixels", "render scene.yaml -o a.pfm --limit-pixels 3072",
-         [this](const Outcome& o) {
-             EXPECT_EQ(o.err, "");
-             EXPECT_EQ(rt("render scene.yaml -o a.pfm --limit-pixels 3071").exitCode, 7);
-         },
-         "render scene.yaml --limit-pixels 0",
-         "rt render: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
-         "see rt render --help\n"},
         {"render", "--allow-missing", "render missing.yaml -o a.pfm --allow-missing",
          [](const Outcome& o) {
              EXPECT_EQ(o.out, "a.pfm\n");
@@ -204,6 +197,8 @@ std::vector<Options::Case> Options::cases() {
          "render scene.yaml --shade depht",
          render + "--shade: must be full, normals, depth, id or cost (got 'depht'); did you mean "
                   "'depth'?\n"},
+        {"render", "--strict", "render scene.yaml -o a.pfm --strict", sameAsPlain(),
+         "render scene.yaml --strict=1", noValue("render", "--strict")},
         {"render", "--pixel", "render scene.yaml --pixel 32,24 --trace",
          [this](const Outcome& o) {
              EXPECT_NE(o.out.find("middle"), std::string::npos) << o.out;
@@ -364,13 +359,6 @@ std::vector<Options::Case> Options::cases() {
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --set a",
          "rt view: error: --set: must be PATH=VALUE, such as render.depth=3 (got 'a'); see rt view "
          "--help\n"},
-        {"view", "--limit-pixels", "view scene.yaml --script keys.txt --limit-pixels 3072",
-         [this](const Outcome&) {
-             EXPECT_EQ(rt("view scene.yaml --script keys.txt --limit-pixels 3071").exitCode, 7);
-         },
-         "view scene.yaml --limit-pixels 0",
-         "rt view: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
-         "see rt view --help\n"},
         {"view", "--allow-missing", "view missing.yaml --script keys.txt --allow-missing",
          [](const Outcome& o) {
              EXPECT_NE(o.err.find("missing.yaml:5:"), std::string::npos) << o.err;
@@ -384,14 +372,6 @@ std::vector<Options::Case> Options::cases() {
         {"check", "--set", "check scene.yaml --set render.depth=2",
          prints("scene.yaml: no errors\n"), "check scene.yaml --set",
          "rt check: error: --set needs a value; see rt check --help\n"},
-        {"check", "--limit-pixels", "check scene.yaml --limit-pixels 3072",
-         [this](const Outcome& o) {
-             EXPECT_EQ(o.err, "");
-             EXPECT_EQ(rt("check scene.yaml --limit-pixels 3071").exitCode, 7);
-         },
-         "check scene.yaml --limit-pixels 0",
-         "rt check: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
-         "see rt check --help\n"},
         {"check", "--allow-missing", "check missing.yaml --allow-missing",
          [](const Outcome& o) { EXPECT_EQ(o.out, "missing.yaml: no errors\n"); },
          "check missing.yaml --allow-missing=1", noValue("check", "--allow-missing")},
@@ -424,14 +404,6 @@ std::vector<Options::Case> Options::cases() {
          "info scene.yaml --set a",
          "rt info: error: --set: must be PATH=VALUE, such as render.depth=3 (got 'a'); see rt info "
          "--help\n"},
-        {"info", "--limit-pixels", "info scene.yaml --limit-pixels 3072",
-         [this](const Outcome& o) {
-             EXPECT_EQ(o.err, "");
-             EXPECT_EQ(rt("info scene.yaml --limit-pixels 3071").exitCode, 7);
-         },
-         "info scene.yaml --limit-pixels 0",
-         "rt info: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
-         "see rt info --help\n"},
         {"info", "--allow-missing", "info missing.yaml --json --allow-missing",
          [](const Outcome& o) { EXPECT_EQ(Json::parse(o.out)["primitives"]["triangles"], 0); },
          "info missing.yaml --allow-missing=x", noValue("info", "--allow-missing")},
@@ -548,7 +520,65 @@ std::vector<Options::Case> Options::cases() {
          "convert old.inf --plugin-dir",
          "rt convert: error: --plugin-dir needs a value; see rt convert --help\n"},
     };
+    addSandboxAndLimits(rows);
     return rows;
+}
+
+/// Those of every command that reads a scene.
+void Options::addSandboxAndLimits(std::vector<Case>& rows) {
+    struct Limit {
+        std::string name, enough, tooLittle, zero, must;
+    };
+    const auto whole = [](const std::string& most) {
+        return "must be a whole number from 1 to " + most + " (got ";
+    };
+    const std::string bytes = "must be a number of bytes, such as 4096, 64K, 16M or 2G (got ";
+    const std::vector<Limit> limits{
+        {"--limit-pixels", "3072", "3071", "0", whole("4294967295")},
+        {"--limit-texture-pixels", "4", "3", "0", whole("4294967295")},
+        {"--limit-primitives", "1", "", "0", whole("4294967294")},
+        {"--limit-nodes", "100", "20", "0", whole("4294967295")},
+        {"--limit-nesting", "4", "3", "401", whole("400")},
+        {"--limit-file", "1K", "100", "0K", bytes},
+        {"--limit-memory", "2G", "100K", "1Q", bytes},
+    };
+    write(
+        "in/limits.yaml",
+        "rt: 1\nimage: {width: 64, height: 48}\ncamera: {position: [0, -5, 0], look_at: [0, 0, 0], "
+        "field_of_view: 50deg}\ntextures: {t: {image: {file: ../t.ppm}}}\nbackground: {texture: "
+        "t}\nobjects:\n  - sphere: {radius: 1}\n");
+    write("t.ppm", "P6\n2 2\n255\nabcdefghijkl");
+    for (const char* const name : {"render", "view", "check", "info"}) {
+        const std::string command = name, line = command + " in/limits.yaml" +
+                                                 (command == "view"     ? " --script keys.txt"
+                                                  : command == "render" ? " -o a.pfm"
+                                                                        : "");
+        const std::string error = "rt " + command + ": error: ",
+                          see = "; see rt " + command + " --help\n";
+        for (const Limit& limit : limits)
+            rows.push_back(
+                {command, limit.name, line + " " + limit.name + " " + limit.enough,
+                 [this, line, limit](const Outcome& o) {
+                     EXPECT_EQ(o.err, "");
+                     if (limit.tooLittle.empty()) return;
+                     const Outcome less = rt(line + " " + limit.name + " " + limit.tooLittle);
+                     EXPECT_EQ(less.exitCode, 7) << less.err;
+                 },
+                 line + " " + limit.name + " " + limit.zero,
+                 error + limit.name + ": " + limit.must + "'" + limit.zero + "')" + see});
+        rows.push_back(
+            {command, "--sandbox",
+             command + " scene.yaml --sandbox" + (command == "view" ? " --script keys.txt" : ""),
+             [this, line](const Outcome& o) {
+                 EXPECT_EQ(o.err, "");
+                 EXPECT_EQ(rt(line + " --sandbox").exitCode, 4);
+             },
+             line + " --sandbox=1", error + "--sandbox takes no value" + see});
+        rows.push_back(
+            {command, "--allow-read", line + " --sandbox --allow-read .",
+             [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, line + " --allow-read nowhere",
+             error + "--allow-read: must be a folder that exists (got 'nowhere')" + see});
+    }
 }
 
 /// Options that `rt help COMMAND` shows, by their first name; those of every command only for "rt".

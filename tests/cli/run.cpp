@@ -166,6 +166,7 @@ Outcome Cli::run(const std::vector<std::string>& arguments, const RunOptions& op
     const auto argvPointers = pointers(argv), environmentPointers = pointers(environment);
 
     const std::string program = options.program.empty() ? RT_BINARY : options.program;
+    const auto started = std::chrono::steady_clock::now();
     const pid_t child = ::fork();
     if (child == 0) {
         const int in = ::open("/dev/null", O_RDONLY);
@@ -177,6 +178,10 @@ Outcome Cli::run(const std::vector<std::string>& arguments, const RunOptions& op
         if (options.fileSizeLimit) {
             const rlimit limit{options.fileSizeLimit, options.fileSizeLimit};
             ::setrlimit(RLIMIT_FSIZE, &limit);
+        }
+        if (options.memoryLimit) {
+            const rlimit limit{options.memoryLimit, options.memoryLimit};
+            ::setrlimit(RLIMIT_AS, &limit);
         }
         if (options.unprivileged && ::geteuid() == 0) {
             constexpr unsigned kNobody = 65534;
@@ -217,8 +222,16 @@ Outcome Cli::run(const std::vector<std::string>& arguments, const RunOptions& op
     }
     ::close(out.read), ::close(err.read);
     int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    rusage usage{};
+    while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
     }
+    outcome.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    const auto seconds = [](const timeval& t) {
+        return double(t.tv_sec) + double(t.tv_usec) / 1e6;
+    };
+    outcome.cpuSeconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    outcome.peakBytes = static_cast<std::size_t>(usage.ru_maxrss) << 10;
     if (WIFEXITED(status)) outcome.exitCode = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
     EXPECT_FALSE(late) << "killed after " << options.seconds << " s: rt "

@@ -13,6 +13,9 @@ struct Outcome {
     int exitCode = -1; // -1: ended by a signal or the deadline
     int signal = 0;
     std::string out, err;
+    double seconds = 0;        // wall
+    double cpuSeconds = 0;     // of all its threads
+    std::size_t peakBytes = 0; // resident
 };
 
 struct RunOptions {
@@ -22,6 +25,7 @@ struct RunOptions {
     std::string standardOutput;           // a file or device instead of the pipe
     bool unprivileged = false;            // as nobody, if the tests run as root
     unsigned long fileSizeLimit = 0;      // bytes of any file that it writes; 0: none
+    unsigned long memoryLimit = 0;        // bytes of address space; 0: none
     double seconds = 60;                  // then it is killed, and the test fails
     std::function<void(int processId)> whileRunning; // called once, right after the start
 };

@@ -278,7 +278,7 @@ TEST(YamlReader, LimitsTheNodes) {
 }
 
 TEST(YamlReader, LimitsTheSize) {
-    EXPECT_EQ(limitExit("a: " + std::string(kMaxYamlBytes, 'x'), "E0710"), 7);
+    EXPECT_EQ(limitExit("a: " + std::string(scene::kMaxSceneBytes, 'x'), "E0710"), 7);
 }
 
 class YamlFiles : public testing::Test {

@@ -55,12 +55,12 @@ TEST(Load, OpensWhatTheOtherCompilerBuilt) {
 
 TEST(Load, RefusesAnotherMajor) {
     EXPECT_EQ(whyRefused("major_2"),
-              "it was built for plugin ABI 2.0 and this rt speaks 1.0; rebuild it against this rt");
+              "it was built for plugin ABI 2.0 and this rt speaks 1.1; rebuild it against this rt");
 }
 
 TEST(Load, RefusesANewerMinor) {
     EXPECT_EQ(whyRefused("minor_newer"),
-              "it was built for plugin ABI 1.1 and this rt speaks only 1.0; update rt, or rebuild "
+              "it was built for plugin ABI 1.2 and this rt speaks only 1.1; update rt, or rebuild "
               "it against this rt");
 }
 

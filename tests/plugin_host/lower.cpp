@@ -305,8 +305,7 @@ TEST(Lower, NamesAMissingFileAndItsNeighbour) {
     Scene scene = withTestModules();
     addLoading(scene, folder / "dragn.toy");
     EXPECT_FALSE(scene.lower());
-    EXPECT_EQ(scene.said(), "scene.yaml:100: error[E0401]: cannot read '" +
-                                (folder / "dragn.toy").string() +
+    EXPECT_EQ(scene.said(), "scene.yaml:100: error[E0401]: '" + (folder / "dragn.toy").string() +
                                 "': there is no such file; did you mean 'dragon.toy'?\n");
     EXPECT_EQ(scene.diagnostics.exitCode(), 4);
 }
@@ -318,7 +317,7 @@ TEST(Lower, LeavesAnObjectOutWhenItsFileMayMiss) {
     scene.add("sphere");
     const auto world = scene.lower({.allowMissing = true});
     ASSERT_TRUE(world) << scene.said();
-    EXPECT_EQ(scene.said(), "scene.yaml:100: warning: cannot read '" + (folder / "a.toy").string() +
+    EXPECT_EQ(scene.said(), "scene.yaml:100: warning: '" + (folder / "a.toy").string() +
                                 "': there is no such file; object 'loading0' is left out\n");
     EXPECT_EQ(world->primitives.count(), 1u);
     EXPECT_EQ(world->objectNames.size(), 2u); // numbers of objects stay those of the scene
@@ -329,14 +328,14 @@ TEST(Lower, ReadsRegularFilesOnly) {
     const TemporaryFolder folder;
     ASSERT_EQ(mkfifo((folder / "pipe.toy").c_str(), 0600), 0);
     fs::create_directory(folder / "folder.toy");
-    const std::pair<std::string, std::string> cases[] = {{"pipe.toy", "it is not a regular file"},
-                                                         {"folder.toy", "it is a folder"}};
+    const std::pair<std::string, std::string> cases[] = {{"pipe.toy", "is a pipe, not a file"},
+                                                         {"folder.toy", "is a folder, not a file"}};
     for (const auto& [name, why] : cases) {
         Scene scene = withTestModules();
         addLoading(scene, folder / name);
         EXPECT_FALSE(scene.lower({.allowMissing = true})); // it is there, and no file
-        EXPECT_EQ(scene.said(), "scene.yaml:100: error[E0402]: cannot read '" +
-                                    (folder / name).string() + "': " + why + "\n");
+        EXPECT_EQ(scene.said(), "scene.yaml:100: error[E0403]: '" + (folder / name).string() +
+                                    "': " + why + "\n");
     }
 }
 

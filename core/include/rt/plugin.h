@@ -9,7 +9,8 @@
  * Threads: [setup] calls are serial. [render] calls are concurrent and may not allocate, lock or throw.
  *
  * History of the number below:
- *   1.0  first version. */
+ *   1.0  first version.
+ *   1.1  rt_host: max_texels, exceeds. */
 #ifndef RT_PLUGIN_H
 #define RT_PLUGIN_H
 
@@ -21,7 +22,7 @@ extern "C" {
 #endif
 
 #define RT_ABI_MAJOR 1u
-#define RT_ABI_MINOR 0u
+#define RT_ABI_MINOR 1u
 #define RT_ABI_MAGIC { 'r', 't', '-', 'p', 'l', 'u', 'g', '\0' }
 
 typedef int32_t rt_status;
@@ -175,6 +176,9 @@ typedef struct rt_host {           /* growable */
     /* From lower() only: let the loader of the file named by parameter `file` (a row with RT_LOADS) put
      * its geometry into sink, as `kind`. */
     rt_status (*load)(const struct rt_host *, int32_t file, uint32_t kind, rt_sink *);
+    uint64_t max_texels;           /* of one image; since 1.1                                           */
+    /* As fail, where the value is right but more than the user lets the host take; since 1.1. */
+    rt_status (*exceeds)(const struct rt_host *, int32_t parameter, const char *message);
 } rt_host;
 
 /* ---- what a module offers: exactly one of shape, texture, loader ---------------------------------- */

@@ -156,6 +156,11 @@ struct ParameterError : std::runtime_error {
     const char* name;
 };
 
+/// The value is right, but more than the user lets the host take, such as Host::maxTexels.
+struct LimitError : ParameterError {
+    using ParameterError::ParameterError;
+};
+
 namespace detail {
 /// The host refused and has said why already.
 struct HostRefused {};
@@ -371,6 +376,10 @@ public:
     explicit Host(const rt_host* host) : host_(host) {}
     /// One sentence: what was repaired, or ignored.
     void note(const std::string& sentence) { host_->note(host_, sentence.c_str()); }
+    /// Most texels that one image may have.
+    std::uint64_t maxTexels() const {
+        return RT_HAS(host_, rt_host, max_texels) ? host_->max_texels : std::uint64_t{1} << 26;
+    }
 
 protected:
     const rt_host* host_;
@@ -577,10 +586,12 @@ template <const auto& P, class Body> rt_status barrier(const rt_host* host, Body
     } catch (const std::bad_alloc&) {
         return RT_OUT_OF_MEMORY;
     } catch (const ParameterError& e) {
+        std::int32_t parameter = -1;
         for (std::size_t i = 0; i < P.size(); ++i)
-            if (std::strcmp(P[i].row.name, e.name) == 0)
-                return host->fail(host, static_cast<std::int32_t>(i), e.what());
-        return host->fail(host, -1, e.what());
+            if (std::strcmp(P[i].row.name, e.name) == 0) parameter = static_cast<std::int32_t>(i);
+        const bool limit =
+            dynamic_cast<const LimitError*>(&e) != nullptr && RT_HAS(host, rt_host, exceeds);
+        return (limit ? host->exceeds : host->fail)(host, parameter, e.what());
     } catch (const std::exception& e) {
         return host->fail(host, -1, e.what());
     } catch (...) {

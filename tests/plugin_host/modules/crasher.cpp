@@ -6,13 +6,13 @@
 
 namespace {
 
-enum class Act { nothing, address, divide, illegal, abort, terminate, overflow, exit };
+enum class Act { nothing, address, divide, illegal, abort, terminate, overflow, exit, loop };
 
 struct Crasher {
     Act lower, intersect;
 };
 
-constexpr const char* kActs = "nothing|address|divide|illegal|abort|terminate|overflow|exit";
+constexpr const char* kActs = "nothing|address|divide|illegal|abort|terminate|overflow|exit|loop";
 constexpr std::array kParameters{
     rt::choice<&Crasher::lower>("lower", kActs, "nothing", "What lower does."),
     rt::choice<&Crasher::intersect>("intersect", kActs, "nothing", "What intersect does.")};
@@ -20,7 +20,7 @@ constexpr std::array kParameters{
 volatile int zero = 0;
 volatile int* volatile nowhere = nullptr;
 
-int recurse(int depth) { // as deep as the stack and deeper
+int recurse(int depth) {         // as deep as the stack and deeper
     if (zero != 0) return depth; // never
     volatile char page[4096];
     page[depth % 4096] = static_cast<char>(depth);
@@ -46,6 +46,8 @@ void act(Act what) {
         std::abort();
     case Act::terminate:
         return terminate();
+    case Act::loop:
+        for (;;) zero = zero;
     case Act::overflow:
         zero = recurse(1);
         return;

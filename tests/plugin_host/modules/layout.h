@@ -80,6 +80,8 @@ CHECK(offsetof(rt_host, abi_minor) == 4);
 CHECK(offsetof(rt_host, fail) == 8);
 CHECK(offsetof(rt_host, note) == 16);
 CHECK(offsetof(rt_host, load) == 24);
+CHECK(offsetof(rt_host, max_texels) == 32);
+CHECK(offsetof(rt_host, exceeds) == 40);
 CHECK(offsetof(rt_shape, param_count) == 4);
 CHECK(offsetof(rt_shape, params) == 8);
 CHECK(offsetof(rt_shape, lower) == 16);
