@@ -119,7 +119,6 @@ void surfaceOfTriangle(const Triangles& triangles, std::uint32_t index, const Ra
                 s.uv += weights[i] * triangles.uvs[t];
     }
     if (!triangles.materials.empty()) s.material = triangles.materials[index];
-    if (!triangles.sourceFaces.empty()) s.sourceFace = triangles.sourceFaces[index];
 }
 
 void surfaceOfSphere(const Sphere& sphere, const Ray& ray, const Hit& hit, Surface& s) {
@@ -216,6 +215,38 @@ MaterialId materialOf(const Primitives& primitives, PrimitiveId id) {
     return primitives.triangles.materials[segment.index + offset];
 }
 
+std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id) {
+    const Segment& segment = primitives.segmentOf(id);
+    const auto offset = static_cast<std::uint32_t>(id) - static_cast<std::uint32_t>(segment.first);
+    const auto& faces = primitives.triangles.sourceFaces;
+    return segment.kind == Kind::triangle && !faces.empty() ? faces[segment.index + offset]
+                                                            : offset;
+}
+
+void prefetchSurfaces(const Primitives& primitives, std::span<const Hit> hits) {
+    const Triangles& triangles = primitives.triangles;
+    const auto forEachTriangle = [&](const auto& visit) {
+        for (const Hit& hit : hits) {
+            if (!hit) continue;
+            const Segment& segment = primitives.segmentOf(hit.id);
+            if (segment.kind == Kind::triangle)
+                visit(segment.index + static_cast<std::uint32_t>(hit.id) -
+                      static_cast<std::uint32_t>(segment.first));
+        }
+    };
+    forEachTriangle([&](std::uint32_t index) {
+        __builtin_prefetch(&triangles.indices[index]);
+        if (!triangles.normalIndices.empty()) __builtin_prefetch(&triangles.normalIndices[index]);
+    });
+    forEachTriangle([&](std::uint32_t index) {
+        for (const std::uint32_t corner : triangles.indices[index])
+            __builtin_prefetch(&triangles.positions[corner]);
+        if (triangles.normalIndices.empty()) return;
+        for (const std::uint32_t corner : triangles.normalIndices[index])
+            if (corner != kNoIndex) __builtin_prefetch(&triangles.normals[corner]);
+    });
+}
+
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit) {
     const Segment& segment = primitives.segmentOf(hit.id);
     const auto offset =
@@ -226,7 +257,6 @@ Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit) 
     s.id = hit.id;
     s.object = segment.object;
     s.material = segment.material;
-    s.sourceFace = offset;
     s.solid = segment.solid;
     switch (segment.kind) {
     case Kind::triangle:

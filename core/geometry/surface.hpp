@@ -2,6 +2,8 @@
 #pragma once
 #include <core/geometry/ray.hpp>
 
+#include <span>
+
 namespace rt::geometry {
 
 /// A point on a primitive. World space.
@@ -15,7 +17,6 @@ struct Surface {
     PrimitiveId id;
     ObjectId object;
     MaterialId material;
-    std::uint32_t sourceFace; // number of the face in the mesh's file; elsewhere within the segment
     bool solid;
     bool planar;
 };
@@ -26,6 +27,12 @@ Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit);
 /// Triangle: its uvs, else the weights of corners 1 and 2; sphere: longitude and latitude about z, from
 /// 0 to 1, computed here for those who want them; parallelogram: along its edges.
 Vec2 uvOf(const Surface& surface);
+
+/// Asks the caches for what surfaceAt will read of the hits; those without a primitive are skipped.
+void prefetchSurfaces(const Primitives& primitives, std::span<const Hit> hits);
+
+/// Number of the face in the mesh's file; elsewhere within the segment.
+std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id);
 
 /// Material of a primitive; cheaper than surfaceAt.
 MaterialId materialOf(const Primitives& primitives, PrimitiveId id);

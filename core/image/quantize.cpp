@@ -35,6 +35,14 @@ const Srgb8Tables& srgb8Tables() {
     return tables;
 }
 
+std::uint8_t srgb8With(const Srgb8Tables& tables, double linear) {
+    const double c = clampedToUnit(linear);
+    unsigned code = tables.first[static_cast<unsigned>(c * kCells)];
+    while (code < 255 && (c > tables.limit[code] || (c == tables.limit[code] && code % 2 == 1)))
+        ++code;
+    return static_cast<std::uint8_t>(code);
+}
+
 } // namespace
 
 std::uint8_t linear8(double linear) {
@@ -45,13 +53,15 @@ std::uint16_t linear16(double linear) {
     return static_cast<std::uint16_t>(roundHalfToEven(65535 * clampedToUnit(linear)));
 }
 
-std::uint8_t srgb8(double linear) {
+std::uint8_t srgb8(double linear) { return srgb8With(srgb8Tables(), linear); }
+
+void toSrgb8(std::span<const double> linear, std::uint8_t* codes) {
     const Srgb8Tables& tables = srgb8Tables();
-    const double c = clampedToUnit(linear);
-    unsigned code = tables.first[static_cast<unsigned>(c * kCells)];
-    while (code < 255 && (c > tables.limit[code] || (c == tables.limit[code] && code % 2 == 1)))
-        ++code;
-    return static_cast<std::uint8_t>(code);
+    for (const double c : linear) *codes++ = srgb8With(tables, c);
+}
+
+void toLinear8(std::span<const double> linear, std::uint8_t* codes) {
+    for (const double c : linear) *codes++ = linear8(c);
 }
 
 std::uint16_t srgb16(double linear) {

@@ -1,6 +1,7 @@
 // Linear light to the integers of a file and back. Values outside [0, 1] go to the nearer end, NaN goes to 0.
 #pragma once
 #include <cstdint>
+#include <span>
 
 namespace rt::image {
 
@@ -12,6 +13,9 @@ std::uint16_t linear16(double linear);
 /// The code whose sRGB-encoded value k / 255 is nearest: k such that c lies between linearFromSrgb((k - 1/2) / 255) and
 /// linearFromSrgb((k + 1/2) / 255); on such a limit itself the even k. Never decreases with c.
 std::uint8_t srgb8(double linear);
+/// srgb8 and linear8 of each; codes has room for as many.
+void toSrgb8(std::span<const double> linear, std::uint8_t* codes);
+void toLinear8(std::span<const double> linear, std::uint8_t* codes);
 /// round(65535 srgbFromLinear(c)), halves to even.
 std::uint16_t srgb16(double linear);
 

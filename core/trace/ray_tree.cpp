@@ -17,7 +17,7 @@ class TreeObserver {
 public:
     static constexpr bool kActive = true;
 
-    TreeObserver(RayTree& tree) : tree_(tree) {}
+    TreeObserver(RayTree& tree, const world::World& world) : tree_(tree), world_(world) {}
 
     std::vector<geometry::ObjectId> mediaOfPrimary;
 
@@ -72,7 +72,7 @@ public:
         node.primitive = hit.id;
         node.object = facing.surface.object;
         node.material = facing.surface.material;
-        node.sourceFace = facing.surface.sourceFace;
+        node.sourceFace = geometry::sourceFaceOf(world_.primitives, hit.id);
         node.position = facing.surface.position;
         node.normal = facing.normal;
         node.leaving = facing.leaving;
@@ -97,6 +97,7 @@ private:
     }
 
     RayTree& tree_;
+    const world::World& world_;
 };
 
 LinearRgb ratio(const LinearRgb& a, const LinearRgb& b) {
@@ -128,7 +129,7 @@ RayTree tracePixel(const octree::Octree& octree, const world::World& world,
     if (std::holds_alternative<scene::AntialiasMaxError>(settings.antialias)) first = 0.5;
 
     RayTree tree;
-    TreeObserver observer(tree);
+    TreeObserver observer(tree, world);
     Scratch scratch;
     RayCounts counts;
     for (std::uint32_t row = 0; row < n; ++row)

@@ -184,6 +184,7 @@ private:
         } else {
             stage_.octree.closest(rays, scratch_.hits, octree::Coherence::coherent, visits());
         }
+        geometry::prefetchSurfaces(stage_.world.primitives, scratch_.hits);
     }
 
     /// scratch_.occluded of scratch_.rays.

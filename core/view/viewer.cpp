@@ -15,6 +15,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <span>
 
 namespace rt::view {
 
@@ -50,21 +51,30 @@ std::string vector(const Vec3& v) {
 Picture displayed(const image::Framebuffer& frame, const scene::Image& image, int threads) {
     Picture picture{image.width, image.height,
                     std::vector<std::uint8_t>(std::size_t(image.width) * image.height * 3)};
-    const auto code = image.encoding == scene::Encoding::srgb ? image::srgb8 : image::linear8;
-    // The row of the frame that a row of the picture shows; the first that shows it makes it.
-    const auto source = [&](std::size_t y) { return y * frame.height / image.height; };
+    static_assert(sizeof(numeric::LinearRgb) == 3 * sizeof(double));
+    const auto encode = [&](std::size_t row, std::uint8_t* codes) {
+        const std::span<const double> light{&frame.pixels[row * frame.width].r,
+                                            frame.width * std::size_t{3}};
+        image.encoding == scene::Encoding::srgb ? image::toSrgb8(light, codes)
+                                                : image::toLinear8(light, codes);
+    };
+    // Row y of the picture shows row y * frame.height / image.height; the first that shows one makes it.
     parallel::forEach(frame.height, threads, [&](std::size_t row) {
-        const std::size_t first = (row * image.height + frame.height - 1) / frame.height;
-        std::uint8_t* const begin = &picture.rgb[first * image.width * 3];
-        std::uint8_t* to = begin;
-        std::size_t x = 0;
-        for (std::uint32_t column = 0; column < frame.width; ++column) {
-            const numeric::LinearRgb& light = frame.at(column, static_cast<std::uint32_t>(row));
-            const std::uint8_t rgb[3] = {code(light.r), code(light.g), code(light.b)};
-            for (; x * frame.width / image.width == column && x < image.width; ++x)
-                to = std::copy_n(rgb, 3, to);
+        const auto firstOf = [&](std::size_t r) {
+            return (r * image.height + frame.height - 1) / frame.height;
+        };
+        std::uint8_t* const begin = &picture.rgb[firstOf(row) * image.width * 3];
+        if (frame.width == image.width) {
+            encode(row, begin);
+        } else {
+            std::vector<std::uint8_t> codes(frame.width * std::size_t{3});
+            encode(row, codes.data());
+            std::uint8_t* to = begin;
+            for (std::size_t column = 0, x = 0; column < frame.width; ++column)
+                for (; x * frame.width < (column + 1) * image.width; ++x)
+                    to = std::copy_n(&codes[3 * column], 3, to);
         }
-        for (std::size_t y = first + 1; y < image.height && source(y) == row; ++y)
+        for (std::size_t y = firstOf(row) + 1; y < firstOf(row + 1); ++y)
             std::copy_n(begin, image.width * std::size_t{3}, &picture.rgb[y * image.width * 3]);
     });
     return picture;

@@ -265,11 +265,11 @@ TEST(Surface, KnowsWhatWasHit) {
     EXPECT_EQ(0.5, s.uv.y);
     EXPECT_EQ(geometry::MaterialId{7}, s.material);
     EXPECT_EQ(geometry::MaterialId{7}, geometry::materialOf(p, hit.id));
-    EXPECT_EQ(40u, s.sourceFace);
+    EXPECT_EQ(40u, geometry::sourceFaceOf(p, s.id));
     EXPECT_TRUE(s.solid);
     ray.origin = {0.75, 0.75, 1};
     const Surface other = geometry::surfaceAt(p, ray, tree.closest(ray));
-    EXPECT_EQ(41u, other.sourceFace);
+    EXPECT_EQ(41u, geometry::sourceFaceOf(p, other.id));
     EXPECT_GT(other.shadingNormal.x, 0.1);
     EXPECT_EQ(Vec3(0, 0, 1), other.geometricNormal);
     ray.origin = {0, 0, 5}; // inside the ball: the normal stays outward
