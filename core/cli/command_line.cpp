@@ -492,10 +492,15 @@ void Program::addView() {
     c.option(
         "-t,--threads", "N", "Threads to use; 0, the default, is all that the process may use.",
         [&o](const std::string& word) { o.threads = static_cast<int>(parseWhole(word, 0, 1024)); });
+    c.option("--fps", "N",
+             "Pictures per second to keep while the camera moves, 60 by default; fewer are finer.",
+             [&o](const std::string& word) { o.picturesPerSecond = parseReal(word, 1, 1000); });
     c.option("--script", "FILE", "Replay keys and mouse from a file instead of opening a window.",
              [&o](const std::string& word) { o.script = checkedOutput(word); });
-    c.option("--record", "DIR", "With --script: keep every picture shown, and shown.tsv.",
-             [&o](const std::string& word) { o.record = checkedOutput(word); });
+    c.option(
+        "--record", "DIR",
+        "With --script: keep every picture shown, and shown.tsv; reports how soon pictures came.",
+        [&o](const std::string& word) { o.record = checkedOutput(word); });
     c.option("--overlay", choiceName(kOnOff),
              "Rates and the resolution over the picture; by default in a window only.",
              [&o](const std::string& word) { o.overlay = parseChoice(word, kOnOff) == 0; });

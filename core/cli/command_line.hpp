@@ -93,9 +93,10 @@ struct TaskOptions {
 
 struct ViewOptions : SceneOptions {
     std::string scene;
-    std::string script;          // empty: a window
-    std::string record;          // folder; empty: nothing is kept
-    int threads = 0;             // 0: all that the process may use
+    std::string script; // empty: a window
+    std::string record; // folder; empty: nothing is kept
+    int threads = 0;    // 0: all that the process may use
+    double picturesPerSecond = 60;
     std::optional<bool> overlay; // none: in a window only
 };
 

@@ -290,7 +290,8 @@ int view(const ViewOptions& options, Console& console) {
     };
 
     const view::ViewOptions settings{.threads = options.threads,
-                                     .overlay = options.overlay.value_or(!script)};
+                                     .overlay = options.overlay.value_or(!script),
+                                     .frameSeconds = 1 / options.picturesPerSecond};
     if (script) {
         if (!options.record.empty()) std::filesystem::create_directories(options.record);
         Recorder recorder(options.record, encoding);

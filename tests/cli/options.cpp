@@ -345,6 +345,10 @@ std::vector<Options::Case> Options::cases() {
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml -t x",
          "rt view: error: --threads: must be a whole number from 0 to 1024 (got 'x'); see rt view "
          "--help\n"},
+        {"view", "--fps", "view scene.yaml --script keys.txt --fps 30",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); },
+         "view scene.yaml --script keys.txt --fps 0",
+         "rt view: error: --fps: must be a number from 1 to 1000 (got '0'); see rt view --help\n"},
         {"view", "--script", "view scene.yaml --script keys.txt",
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "view scene.yaml --script",
          "rt view: error: --script needs a value; see rt view --help\n"},

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <regex>
+#include <set>
 #include <thread>
 
 #include <signal.h>
@@ -15,6 +17,14 @@
 namespace rt::cli_tests {
 
 namespace {
+
+/// Three frames, in which the left sphere rises.
+const std::string kUpAndDown = R"(animation:
+  frames: 3
+  fps: 5
+  tracks:
+    - {target: left, move: {position: [-1.2, 0, 1.5]}, frames: [0, 2]}
+)";
 
 class View : public Cli {
 protected:
@@ -93,6 +103,34 @@ TEST_F(View, ClickNamesWhatStandsThere) {
     EXPECT_NE(lines[0].find(", distance "), std::string::npos);
     EXPECT_NE(lines[0].find(", uv ["), std::string::npos);
     EXPECT_EQ(lines[1], "background");
+}
+
+TEST_F(View, ReportsHowSoonPicturesFollowedEvents) {
+    const Outcome flown = replay("wait\nkey w 3\nwait\n");
+    EXPECT_TRUE(std::regex_match(
+        flown.err, std::regex("3 events changed the picture, after [0-9.]+ ms \\(median; at most "
+                              "[0-9.]+ ms\\): [0-9.]+ pictures/s of [0-9]+x[0-9]+\n")))
+        << flown.err;
+}
+
+TEST_F(View, StepsAndPlaysTheScenesOwnFrames) {
+    write("scene.yaml", read("scene.yaml") + kUpAndDown);
+    ASSERT_EQ(rt("render scene.yaml -o 0.png").exitCode, 0);
+    ASSERT_EQ(rt("render scene.yaml -o 1.png --set objects.left.center=[-1.2,0,1]").exitCode, 0);
+    ASSERT_EQ(rt("render scene.yaml -o 2.png --set objects.left.center=[-1.2,0,1.5]").exitCode, 0);
+    EXPECT_EQ(replay("wait\nkey .\nwait\nkey p\nkey .\nwait\nkey p\nkey ,\nkey ,\nwait\n").exitCode,
+              0);
+    EXPECT_EQ(read("scene-view-0001.png"), read("1.png"));
+    EXPECT_EQ(read("scene-view-0002.png"), read("2.png"));
+    EXPECT_EQ(lastShown(), read("0.png"));
+    // One second a picture allows the full size, so that each frame that is played shows all of it.
+    write("keys.txt", "wait\nkey space\npause 2000\nkey space\nwait\n");
+    EXPECT_EQ(rt("view scene.yaml --script keys.txt --record played --fps 1").exitCode, 0);
+    std::set<std::string> played;
+    for (const std::string& name : files())
+        if (name.starts_with("played/") && name.ends_with(".png")) played.insert(read(name));
+    for (const char* const frame : {"0.png", "1.png", "2.png"})
+        EXPECT_TRUE(played.contains(read(frame))) << frame;
 }
 
 TEST_F(View, PSavesThePictureShown) {
@@ -203,11 +241,13 @@ TEST_F(View, WindowUnderXvfbTakesKeysMouseReloadAndClose) {
     const auto xdotool = [&](const std::string& command) {
         return output(x + "xdotool " + command + " 2>/dev/null");
     };
+    write("scene.yaml", read("scene.yaml") + kUpAndDown);
     const std::string good = read("scene.yaml");
 
     RunOptions options;
     options.environment = {"DISPLAY=" + server.display};
     options.seconds = 60;
+    std::function<void(const std::string& window)> end;
     options.whileRunning = [&](int) {
         std::string window;
         ASSERT_TRUE(eventually([&] {
@@ -219,9 +259,9 @@ TEST_F(View, WindowUnderXvfbTakesKeysMouseReloadAndClose) {
             xdotool("key --window " + window + " " + name);
         };
         for (const char* name :
-             {"w", "a", "s",    "d",     "r",  "f",     "q",     "e",     "i", "j",
-              "k", "l", "Left", "Right", "Up", "Down",  "plus",  "minus", "2", "3",
-              "4", "5", "1",    "h",     "h",  "space", "comma", "period"})
+             {"w", "a", "s",    "d",     "r",  "f",     "q",     "e",     "i",      "j",
+              "k", "l", "Left", "Right", "Up", "Down",  "plus",  "minus", "2",      "3",
+              "4", "5", "1",    "h",     "h",  "space", "space", "comma", "period", "0"})
             key(name);
         key("p");
         EXPECT_TRUE(eventually([&] { return exists("scene-view-0001.png"); }));
@@ -241,11 +281,20 @@ TEST_F(View, WindowUnderXvfbTakesKeysMouseReloadAndClose) {
         key("c");
         key("p");
         EXPECT_TRUE(eventually([&] { return exists("scene-view-0004.png"); }));
-        pressCloseButton(server.display, window);
+        end(window);
     };
+    end = [&](const std::string& window) { xdotool("key --window " + window + " Escape"); };
+    EXPECT_EQ(run({"view", "scene.yaml"}, options).exitCode, 0);
+    for (const char* const n : {"1", "2", "3", "4"})
+        std::filesystem::remove(folder_ / ("scene-view-000" + std::string(n) + ".png"));
+    end = [&](const std::string& window) { pressCloseButton(server.display, window); };
     const Outcome outcome = run({"view", "scene.yaml"}, options);
     EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("camera:\n"), std::string::npos) << outcome.out;
+    EXPECT_TRUE(std::regex_search(
+        outcome.out, std::regex("(^|\n)(background|[a-z]+: material [a-z]+, distance [0-9.]+, "
+                                "position \\[.*\\], uv \\[.*\\])\n")))
+        << outcome.out;
     EXPECT_NE(outcome.err.find("scene.yaml:2:10: error[E03"), std::string::npos) << outcome.err;
 }
 
