@@ -198,10 +198,12 @@ bool moveCamera(const scene::Description& description, std::uint32_t frame, scen
     const scene::Camera rest = camera;
     const Vec3 forward = normalize(rest.forward), up = normalize(rest.up);
     // The top point stands over the eye by the part of `up` that is perpendicular to `forward`.
-    const Vec3 restPoints[] = {rest.position, rest.position + rest.screenDistance * forward,
+    // A camera that looks at a point goes on doing so, with its own up unless the top point moves.
+    const Vec3 restPoints[] = {rest.position,
+                               rest.lookAt.value_or(rest.position + rest.screenDistance * forward),
                                rest.position + (up - forward * numeric::dot(forward, up))};
     Vec3 points[3];
-    bool moved = false;
+    bool moved = false, keepsUp = rest.lookAt.has_value();
     const Track* mover = nullptr;
     for (const CameraPoint point : {CameraPoint::position, CameraPoint::front, CameraPoint::top}) {
         std::vector<const Track*> tracks;
@@ -210,6 +212,7 @@ bool moveCamera(const scene::Description& description, std::uint32_t frame, scen
             if (target && target->point == point && !isKeyframed(track)) tracks.push_back(&track);
         }
         sortByFrames(tracks);
+        if (point == CameraPoint::top && !tracks.empty()) keepsUp = false;
         const auto i = static_cast<std::size_t>(point);
         Body body = bodyAtRest(restPoints[i], Vec3(0), tracks.size());
         for (const Jump& jump : jumpsTo(tracks, frame)) {
@@ -223,7 +226,7 @@ bool moveCamera(const scene::Description& description, std::uint32_t frame, scen
     camera.lookAt.reset();
     camera.position = points[0];
     camera.forward = points[1] - points[0];
-    camera.up = points[2] - points[0];
+    camera.up = keepsUp ? rest.up : points[2] - points[0];
     const bool sane = numeric::isFinite(camera.position) && numeric::isFinite(camera.forward) &&
                       numeric::isFinite(camera.up);
     if (!sane ||

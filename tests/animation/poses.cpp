@@ -392,6 +392,18 @@ TEST(Poses, ACameraWithoutADirectionIsAnError) {
               "in frame 5 the camera's position and front point are the same");
 }
 
+// The gallery's film once looked at the floor: its front point stayed a unit before the first position.
+TEST(Poses, ACameraThatLooksAtAPointGoesOnDoingSo) {
+    auto film = filmOf(
+        8, {cameraTrack(scene::CameraPoint::position, scene::MoveDirect{{0, 0, 1}, 40}, {0, 8})});
+    film.camera.lookAt = Vec3{50, 65, 30};
+    const scene::Camera camera = stillOf(film, 4).camera;
+    const Vec3 eye = film.camera.position + Vec3{0, 0, 20};
+    expectNear(camera.position, eye, "eye");
+    expectNear(camera.forward, *film.camera.lookAt - eye, "forward");
+    EXPECT_EQ(camera.up, film.camera.up);
+}
+
 // ---- background ------------------------------------------------------------------------------------------------
 
 TEST(Poses, BackgroundsFade) {
