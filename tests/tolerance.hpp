@@ -57,4 +57,21 @@ inline constexpr double kAnalyticSurface = 8;
 /// Gap between parallel surfaces that no ray may skip, relative to the coordinates: the project's bar.
 inline constexpr double kSmallestGap = 1e-9;
 
+/// STABILITY.md S1: distance of a hit from its sphere, in u max(1, D/r) r.
+inline constexpr double kSphereError = 8;
+/// STABILITY.md S1, S2: tangents nearer than this, in u max(1, D/r) of the radius, may go either way.
+inline constexpr double kTangent = 16;
+/// STABILITY.md S4: t on a ball a million times the camera's height, relative.
+inline constexpr double kFloorDistance = 1e-9;
+/// STABILITY.md T2: t on needles, in u times the condition of the problem.
+inline constexpr double kNeedleDistance = 8;
+/// STABILITY.md R1: angle of what is refracted 1e-6 rad or more from total reflection.
+inline constexpr double kRefractedAngle = 1e-9;
+/// STABILITY.md A1: a turned position against the closed form, relative to its distance from the axis.
+inline constexpr double kTurned = 1e-12;
+/// STABILITY.md C2: share of display white from which a pixel is wrong.
+inline constexpr double kWrongPixel = 1.0 / 255;
+/// STABILITY.md 5: the largest difference of any pixel from binary128 up to offsets of 1e6.
+inline constexpr double kLargestDifference = 1e-6;
+
 } // namespace rt::tolerance

@@ -94,6 +94,7 @@ void sampleFirstHit(const View& view, std::span<const PicturePoint> points, Line
         auto& hits = scratch.hits;
         hits.resize(rays.size());
         view.stage.octree.closest(rays, hits, octree::Coherence::coherent);
+        view.stage.settle(rays, hits, scratch.crossings, nullptr);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!hits[i]) continue;
             const auto surface = geometry::surfaceAt(view.stage.world.primitives, rays[i], hits[i]);

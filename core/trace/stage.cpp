@@ -89,6 +89,7 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
     transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),
                             [&](const Segment& s) { return segmentTransmits(world, s); });
     if (transmits) mayCoincide = objectsThatMayCoincide(world);
+    ties = primitivesThatTie(world.primitives);
 }
 
 } // namespace rt::trace

@@ -3,9 +3,11 @@
 #include <core/octree/octree.hpp>
 #include <core/scene/description.hpp>
 #include <core/trace/background.hpp>
+#include <core/trace/coplanar.hpp>
 #include <core/trace/scene_box.hpp>
 #include <core/world/world.hpp>
 
+#include <span>
 #include <vector>
 
 namespace rt::trace {
@@ -21,6 +23,15 @@ struct Stage {
     Stage(const octree::Octree& octree, const world::World& world,
           const scene::Description& description);
 
+    /// Of hits that answer `rays`, those on faces in one plane become the lowest of them.
+    void settle(std::span<const geometry::Ray> rays, std::span<geometry::Hit> hits,
+                std::vector<geometry::Crossing>& scratch, octree::Visits* visits) const {
+        if (ties.empty()) return;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (hits[i] && ties[static_cast<std::uint32_t>(hits[i].id)])
+                hits[i] = lowestOfTied(octree, world.primitives, rays[i], hits[i], scratch, visits);
+    }
+
     const octree::Octree& octree;
     const world::World& world;
     std::vector<Light> lights;
@@ -33,6 +44,7 @@ struct Stage {
     std::vector<bool> opaque;  // by MaterialId
     std::vector<bool> nothing; // by MaterialId, all false: no material stops a query of crossings
     std::vector<bool> mayCoincide; // by ObjectId: transmissive and within reach of another object
+    std::vector<bool> ties;        // by PrimitiveId, or empty: lies on a face of a lower object
 };
 
 } // namespace rt::trace

@@ -158,13 +158,32 @@ private:
 
     void meet(const Work& work, const geometry::Hit& hit) {
         if (hit) {
-            encounter(scratch_.met.emplace_back(), work, hit,
-                      geometry::surfaceAt(stage_.world.primitives, work.ray, hit));
+            const auto surface = geometry::surfaceAt(stage_.world.primitives, work.ray, hit);
+            if (work.kind == RayKind::primary && startsOn(surface, work.ray, hit))
+                return meetBeyond(work, surface);
+            encounter(scratch_.met.emplace_back(), work, hit, surface);
         } else {
             const LinearRgb seen = stage_.background.seenBy(work.ray);
             if constexpr (Observer::kActive) observer_.miss(work, seen);
             contribute(work, seen);
         }
+    }
+
+    /// An eye in the plane of a face, by its error bound, does not see that face. (A ray that was slid into the scene's
+    /// box does see what lies in the box's side.)
+    bool startsOn(const geometry::Surface& surface, const geometry::Ray& ray,
+                  const geometry::Hit& hit) const {
+        return surface.planar && stage_.box.unbounded() &&
+               hit.t * std::fabs(dot(ray.direction, surface.geometricNormal)) <= surface.error;
+    }
+
+    void meetBeyond(const Work& work, const geometry::Surface& surface) {
+        Work beyond = work;
+        beyond.ray = geometry::spawnRay(surface, work.ray.direction);
+        beyond.ray.tMax = work.ray.tMax;
+        geometry::Hit hit = stage_.octree.closest(beyond.ray, visits());
+        stage_.settle({&beyond.ray, 1}, {&hit, 1}, scratch_.crossings, visits());
+        meet(beyond, hit);
     }
 
     /// All that the ray itself adds, when its children have their terms.
@@ -184,6 +203,7 @@ private:
         } else {
             stage_.octree.closest(rays, scratch_.hits, octree::Coherence::coherent, visits());
         }
+        stage_.settle(rays, scratch_.hits, scratch_.crossings, visits());
         geometry::prefetchSurfaces(stage_.world.primitives, scratch_.hits);
     }
 

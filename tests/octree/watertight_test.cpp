@@ -48,36 +48,6 @@ Vec3 weakSpot(const Mesh& mesh, Random& random) {
     return random.below(2) ? a : a + random.unit() * (b - a);
 }
 
-TEST(Watertight, NoRayLeavesAClosedMesh) {
-    for (const Closed& closed : closedMeshes())
-        for (const double scale : {0.000001, 0.001, 1.0, 1e3, 1e6})
-            for (const double away : {0.0, 1e4}) {
-                const Vec3 offset = Vec3(1, -2, 0.7) * (away * scale);
-                const Mesh mesh = scaled(closed.mesh, scale, offset);
-                Primitives p;
-                addMesh(p, mesh.positions, mesh.indices);
-                const Octree tree = Octree::build(p);
-                Random random(static_cast<std::uint64_t>(scale * 1e7) + 3);
-                std::size_t leaks = 0, shadowLeaks = 0, even = 0;
-                std::vector<geometry::Crossing> crossings;
-                const std::size_t rays = rayCount(4000);
-                for (std::size_t i = 0; i < rays; ++i) {
-                    Ray ray;
-                    ray.origin = closed.inside * scale + offset;
-                    ray.direction = weakSpot(mesh, random) - ray.origin;
-                    leaks += !tree.closest(ray);
-                    shadowLeaks += !tree.occluded(ray);
-                    crossings.clear();
-                    tree.crossings(ray, {}, crossings);
-                    even += crossings.size() % 2 == 0;
-                }
-                EXPECT_EQ(0u, leaks) << closed.name << " at scale " << scale << ", of " << rays;
-                EXPECT_EQ(0u, shadowLeaks) << closed.name << " at scale " << scale;
-                EXPECT_EQ(0u, even) << closed.name << " at scale " << scale
-                                    << ": rays from inside cross an odd number of times";
-            }
-}
-
 TEST(Watertight, ParallelogramsAndTrianglesShareEdges) {
     // A cube of 3 sides as n x n parallelograms and 3 as triangles, on coordinates that are exact.
     constexpr int kSides = 16;
