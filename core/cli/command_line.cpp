@@ -245,6 +245,7 @@ public:
                            "rt task run a.job 0 2> log      # as schedulers do\n"),
                        task_);
         addView();
+        addBench();
         addCheck();
         addInfo();
         addSchema();
@@ -343,6 +344,7 @@ private:
 
     void addRender();
     void addView();
+    void addBench();
     void addCheck();
     void addInfo();
     void addSchema();
@@ -371,6 +373,7 @@ private:
     FarmOptions farm_;
     TaskOptions task_;
     ViewOptions view_;
+    BenchOptions bench_;
     CheckOptions check_;
     InfoOptions info_;
     SchemaOptions schema_;
@@ -504,6 +507,52 @@ void Program::addView() {
     c.option("--overlay", choiceName(kOnOff),
              "Rates and the resolution over the picture; by default in a window only.",
              [&o](const std::string& word) { o.overlay = parseChoice(word, kOnOff) == 0; });
+    addSceneOptions(c, o);
+}
+
+void Program::addBench() {
+    Command& c =
+        add("bench", "Measure speed against error, and write a report with plots.",
+            "rt bench scene.yaml                     # a table, and bench/report.html\n"
+            "rt bench scene.yaml --panels B --rounds 3 --size 32x24   # samplings, soon\n"
+            "rt bench scene.yaml --pareto --max-rmse 0.05   # the flags that do, fastest\n");
+    BenchOptions& o = bench_;
+    c.arguments("scenes", "SCENE", "Scenes, YAML files.", o.scenes);
+    c.option("-o,--output", "DIR",
+             "Write report.html, report.json, report.csv and the plots here; ./bench by default.",
+             [&o](const std::string& word) { o.folder = checkedOutput(word); });
+    c.option("--panels", "LETTERS", "Of A arithmetic, B sampling, C features; ABC by default.",
+             [&o](const std::string& word) {
+                 if (word.empty() || word.find_first_not_of("ABC") != std::string::npos)
+                     throw UsageError("must be letters of ABC, such as AB (got " +
+                                      scene::quoted(word) + ")");
+                 o.panels = word;
+             });
+    c.option(
+        "--rounds", "N",
+        "How often each configuration is timed, in turns with the others; 11 by default.",
+        [&o](const std::string& word) { o.rounds = static_cast<int>(parseWhole(word, 1, 1000)); });
+    c.option("-s,--size", "WxH", "Size of the pictures; the scene's, at most 160 wide, by default.",
+             [&o](const std::string& word) {
+                 const Size size = parseSize(word);
+                 o.resized = true;
+                 o.overrides.push_back("image.width=" + std::to_string(size.width));
+                 o.overrides.push_back("image.height=" + std::to_string(size.height));
+             });
+    c.option("--reference", "N",
+             "Panel B is held against grids of NxN and one more each way; 16 by default.",
+             [&o](const std::string& word) { o.reference = parseWhole(word, 2, 63); });
+    c.option(
+        "-t,--threads", "N", "Threads to use; 0, the default, is all that the process may use.",
+        [&o](const std::string& word) { o.threads = static_cast<int>(parseWhole(word, 0, 1024)); });
+    c.flag("--pareto", "Print the flags for rt render that are fastest within the limits below.",
+           o.pareto);
+    c.option("--max-wrong", "N", "With --pareto: wrong pixels that f64 may have; 0 by default.",
+             [&o](const std::string& word) { o.maxWrong = parseWhole(word, 0, kMaxWhole); });
+    c.option("--max-rmse", "E", "With --pareto: the largest RMSE in linear light.",
+             [&o](const std::string& word) { o.maxRmse = parseReal(word, 0, 1); });
+    c.option("--budget", "TIME", "With --pareto: the longest time per frame, such as 1s.",
+             [&o](const std::string& word) { o.budget = parseDuration(word); });
     addSceneOptions(c, o);
 }
 
@@ -716,6 +765,11 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     if (line.command == "encode") line.options = encode_;
     if (line.command == "farm") line.options = farm_;
     if (line.command == "task") line.options = task_;
+    if (line.command == "bench") {
+        if (!bench_.pareto && (bench_.maxWrong || bench_.maxRmse || bench_.budget))
+            throw UsageError("--max-wrong, --max-rmse and --budget need --pareto");
+        line.options = bench_;
+    }
     if (line.command == "check") line.options = check_;
     if (line.command == "info") line.options = info_;
     if (line.command == "schema") line.options = schema_;

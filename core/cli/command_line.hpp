@@ -100,6 +100,19 @@ struct ViewOptions : SceneOptions {
     std::optional<bool> overlay; // none: in a window only
 };
 
+struct BenchOptions : SceneOptions {
+    std::vector<std::string> scenes;
+    std::string folder = "bench";
+    std::string panels = "ABC";
+    int rounds = 11;
+    int threads = 0; // 0: all that the process may use
+    std::uint32_t reference = 16;
+    bool resized = false; // --size is given
+    bool pareto = false;
+    std::optional<std::uint32_t> maxWrong;
+    std::optional<double> maxRmse, budget; // seconds
+};
+
 struct CheckOptions : SceneOptions {
     std::vector<std::string> scenes;
 };
@@ -166,8 +179,9 @@ struct CommandLine {
     CommonOptions common;
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, EncodeOptions, FarmOptions, TaskOptions, ViewOptions,
-                 CheckOptions, InfoOptions, SchemaOptions, ConvertOptions, CompareOptions,
-                 PluginsOptions, NewOptions, ExplainOptions, CompletionOptions, VersionOptions>
+                 BenchOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
+                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
+                 VersionOptions>
         options;
 };
 

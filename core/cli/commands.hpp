@@ -10,6 +10,7 @@ int encode(const EncodeOptions& options, Console& console);
 int farm(const FarmOptions& options, Console& console);
 int task(const TaskOptions& options, Console& console);
 int view(const ViewOptions& options, Console& console);
+int bench(const BenchOptions& options, Console& console);
 int check(const CheckOptions& options, Console& console);
 int info(const InfoOptions& options, Console& console);
 int schema(const SchemaOptions& options, Console& console);

@@ -23,6 +23,7 @@ struct Run {
     int operator()(const FarmOptions& o) const { return farm(o, console); }
     int operator()(const TaskOptions& o) const { return task(o, console); }
     int operator()(const ViewOptions& o) const { return view(o, console); }
+    int operator()(const BenchOptions& o) const { return bench(o, console); }
     int operator()(const CheckOptions& o) const { return check(o, console); }
     int operator()(const InfoOptions& o) const { return info(o, console); }
     int operator()(const SchemaOptions& o) const { return schema(o, console); }

@@ -11,7 +11,7 @@ namespace rt::cli_tests {
 namespace {
 
 const std::vector<std::string> kCommands{
-    "render",  "encode",  "farm",    "task", "view",    "check",      "info",    "schema",
+    "render",  "encode",  "farm",    "task", "view",    "bench",      "check",   "info", "schema",
     "convert", "compare", "plugins", "new",  "explain", "completion", "version", "help"};
 
 class Help : public Cli {

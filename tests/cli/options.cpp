@@ -103,6 +103,7 @@ std::vector<Options::Case> Options::cases() {
     const std::string farm = "rt farm: error: ", seeFarm = "; see rt farm --help\n";
     const std::string encode = "rt encode: error: ", seeEncode = "; see rt encode --help\n",
                       codecs = "--codec: must be h264, h265, vp9, mpeg4, mjpeg or ffv1 (got 'x')";
+    const std::string small = "bench scene.yaml --size 8x6 --rounds 1 --reference 2 --panels B";
     std::vector<Case> rows{
         // ---- rt
         {"rt", "-q", "-q check scene.yaml", prints(""), "--quiet=1",
@@ -382,6 +383,100 @@ std::vector<Options::Case> Options::cases() {
         {"check", "--plugin-dir", "check scene.yaml --plugin-dir empty",
          prints("scene.yaml: no errors\n"), "check scene.yaml --plugin-dir",
          "rt check: error: --plugin-dir needs a value; see rt check --help\n"},
+        // ---- bench: small, one round, the panel of samplings
+        {"bench", "-o", small + " -o there",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.err, "");
+             for (const char* const file : {"report.html", "report.json", "report.csv"})
+                 EXPECT_TRUE(exists(std::string("there/") + file)) << file;
+         },
+         small + " -o", "rt bench: error: --output needs a value; see rt bench --help\n"},
+        {"bench", "--panels", "bench scene.yaml --size 8x6 --rounds 1 --reference 2 --panels AC",
+         [this](const Outcome& o) {
+             EXPECT_NE(o.out.find("f64-robust"), std::string::npos) << o.out;
+             EXPECT_NE(o.out.find("depth 2"), std::string::npos) << o.out;
+             EXPECT_EQ(o.out.find("max_error"), std::string::npos) << o.out;
+             const Json json = Json::parse(read("bench/report.json"));
+             for (const Json& row : json["scenes"][0]["rows"])
+                 if (row["configuration"] == "f64-robust") {
+                     EXPECT_EQ(row["wrong_pixels"], 0) << row;
+                 }
+         },
+         "bench scene.yaml --panels AD",
+         "rt bench: error: --panels: must be letters of ABC, such as AB (got 'AD'); see rt bench "
+         "--help\n"},
+        {"bench", "--rounds", small,
+         [this](const Outcome&) {
+             const Json row = Json::parse(read("bench/report.json"))["scenes"][0]["rows"][0];
+             EXPECT_EQ(row["rounds"], 1);
+             EXPECT_EQ(row["cpu_s"].size(), 1u);
+         },
+         "bench scene.yaml --rounds 0",
+         "rt bench: error: --rounds: must be a whole number from 1 to 1000 (got '0'); see rt bench "
+         "--help\n"},
+        {"bench", "-s", small,
+         [this](const Outcome&) {
+             EXPECT_EQ(Json::parse(read("bench/report.json"))["scenes"][0]["width"], 8);
+         },
+         "bench scene.yaml --size 8",
+         "rt bench: error: --size: must be WIDTHxHEIGHT in pixels, such as 640x480 (got '8'); see "
+         "rt "
+         "bench --help\n"},
+        {"bench", "--reference", small,
+         [this](const Outcome&) {
+             EXPECT_GT(Json::parse(read("bench/report.json"))["scenes"][0]["reference_sigma"], 0);
+         },
+         "bench scene.yaml --reference 1",
+         "rt bench: error: --reference: must be a whole number from 2 to 63 (got '1'); see rt "
+         "bench "
+         "--help\n"},
+        {"bench", "-t", small + " -t 1",
+         [this](const Outcome&) {
+             EXPECT_EQ(Json::parse(read("bench/report.json"))["facts"]["threads"], "1");
+         },
+         "bench scene.yaml -t many",
+         "rt bench: error: --threads: must be a whole number from 0 to 1024 (got 'many'); see rt "
+         "bench "
+         "--help\n"},
+        {"bench", "--pareto", small + " --pareto",
+         [](const Outcome& o) { EXPECT_TRUE(o.out.starts_with("--antialias ")) << o.out; },
+         "bench scene.yaml --pareto=1", noValue("bench", "--pareto")},
+        {"bench", "--max-wrong", small + " --pareto --max-wrong 0",
+         [](const Outcome& o) { EXPECT_TRUE(o.out.starts_with("--antialias ")) << o.out; },
+         "bench scene.yaml --max-wrong 0",
+         "rt bench: error: --max-wrong, --max-rmse and --budget need --pareto; see rt bench "
+         "--help\n"},
+        {"bench", "--max-rmse", small + " --pareto --max-rmse 1",
+         [this, small](const Outcome& o) {
+             EXPECT_TRUE(o.out.starts_with("--antialias ")) << o.out;
+             const Outcome none = rt(small + " --pareto --max-rmse 0");
+             EXPECT_EQ(none.exitCode, 1);
+             EXPECT_EQ(none.out, "");
+         },
+         "bench scene.yaml --pareto --max-rmse 2",
+         "rt bench: error: --max-rmse: must be a number from 0 to 1 (got '2'); see rt bench "
+         "--help\n"},
+        {"bench", "--budget", small + " --pareto --budget 2min",
+         [](const Outcome& o) { EXPECT_TRUE(o.out.starts_with("--antialias ")) << o.out; },
+         "bench scene.yaml --pareto --budget soon",
+         "rt bench: error: --budget: must be a time above 0, such as 10s, 500ms or 2min (got "
+         "'soon'); "
+         "see rt bench --help\n"},
+        {"bench", "--set", small + " --set render.depth=1",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "bench scene.yaml --set",
+         "rt bench: error: --set needs a value; see rt bench --help\n"},
+        {"bench", "--limit-pixels", small + " --limit-pixels 48",
+         [this, small](const Outcome&) { EXPECT_EQ(rt(small + " --limit-pixels 47").exitCode, 7); },
+         "bench scene.yaml --limit-pixels 0",
+         "rt bench: error: --limit-pixels: must be a whole number from 1 to 4294967295 (got '0'); "
+         "see rt bench --help\n"},
+        {"bench", "--allow-missing",
+         "bench missing.yaml --allow-missing --size 8x6 --rounds 1 --reference 2 --panels B",
+         [](const Outcome& o) { EXPECT_NE(o.out.find("grid 2"), std::string::npos); },
+         "bench missing.yaml --allow-missing=1", noValue("bench", "--allow-missing")},
+        {"bench", "--plugin-dir", small + " --plugin-dir empty",
+         [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "bench scene.yaml --plugin-dir",
+         "rt bench: error: --plugin-dir needs a value; see rt bench --help\n"},
         // ---- info
         {"info", "--full", "info scene.yaml --full",
          [this](const Outcome& o) {
