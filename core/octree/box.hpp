@@ -20,9 +20,11 @@ struct Box {
     void add(const Box& b) { add(b.lower, b.upper); }
     /// Half of the surface; 0 if empty.
     float area() const {
-        alignas(16) float d[4];
-        _mm_store_ps(d, _mm_sub_ps(upper, lower));
-        return d[0] >= 0 ? d[0] * d[1] + d[1] * d[2] + d[2] * d[0] : 0;
+        const __m128 d = _mm_max_ps(_mm_sub_ps(upper, lower), _mm_setzero_ps());
+        const __m128 p = _mm_mul_ps(d, _mm_shuffle_ps(d, d, _MM_SHUFFLE(3, 0, 2, 1)));
+        return _mm_cvtss_f32(
+            _mm_add_ss(_mm_add_ss(p, _mm_shuffle_ps(p, p, _MM_SHUFFLE(1, 1, 1, 1))),
+                       _mm_shuffle_ps(p, p, _MM_SHUFFLE(2, 2, 2, 2))));
     }
 };
 

@@ -14,8 +14,8 @@
 namespace rt::octree {
 namespace {
 
-constexpr int kBins = 16;
-constexpr std::uint32_t kLeastCut = 4;    // cells of as many primitives or fewer are not cut
+constexpr int kMostBins = 32;
+constexpr int kLeastBins = 16, kBinShare = 1;
 constexpr std::uint32_t kTaskSize = 2048; // smaller cells are built by one thread
 constexpr std::uint32_t kHandful = 256;   // cells that a task takes at a time
 constexpr std::uint32_t kChunk = 16384;   // of references, for parallel passes over one cell
@@ -26,16 +26,34 @@ __m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }
 __m128 upperOf(const Reference& r) { return _mm_load_ps(r.upper); }
 float twiceCenter(const Reference& r, int axis) { return r.lower[axis] + r.upper[axis]; }
 
-struct Bins {
-    Box box[3][kBins];
-    std::uint32_t count[3][kBins] = {};
+/// The references whose centres lie in one part of an axis. Not cleared by itself: most are never used.
+struct Bin {
+    __m128 lower, upper;
+    std::uint32_t count;
 
-    void add(const Bins& other) {
+    void add(__m128 l, __m128 u, std::uint32_t n) {
+        lower = _mm_min_ps(lower, l);
+        upper = _mm_max_ps(upper, u);
+        count += n;
+    }
+};
+
+struct Bins {
+    Bin of[3][kMostBins];
+
+    void clear(unsigned axes, int count) {
+        const Box empty;
         for (int a = 0; a < 3; ++a)
-            for (int i = 0; i < kBins; ++i) {
-                box[a][i].add(other.box[a][i]);
-                count[a][i] += other.count[a][i];
-            }
+            if (axes >> a & 1)
+                for (int i = 0; i < count; ++i) of[a][i] = {empty.lower, empty.upper, 0};
+    }
+    void add(const Bins& other, unsigned axes, int count) {
+        for (int a = 0; a < 3; ++a)
+            if (axes >> a & 1)
+                for (int i = 0; i < count; ++i) {
+                    const Bin& bin = other.of[a][i];
+                    of[a][i].add(bin.lower, bin.upper, bin.count);
+                }
     }
 };
 
@@ -94,8 +112,10 @@ public:
     Builder(Cells& cells, const geometry::Primitives& primitives, std::uint32_t count, double scale,
             const BuildOptions& options)
         : cells_(cells), primitives_(primitives), references_(cells.references_.get()),
-          leastCut_(std::min(kLeastCut, std::max(1u, options.maxObjects))),
-          maxObjects_(std::max(1u, options.maxObjects)),
+          leastCut_(
+              std::min(std::max(1u, options.tuning.leastCut), std::max(1u, options.maxObjects))),
+          bins_(std::clamp(options.tuning.bins, 2, kMostBins)),
+          blockCost_(options.tuning.blockCost), maxObjects_(std::max(1u, options.maxObjects)),
           minSize_(static_cast<float>(options.minSize * scale)) {
         if (count > kChunk) other_.reset(new Reference[count]);
     }
@@ -149,14 +169,21 @@ private:
         alignas(16) float lower[4], upper[4], scale[4] = {};
         _mm_store_ps(lower, range.centers.lower);
         _mm_store_ps(upper, range.centers.upper);
+        // Few primitives have few places worth a plane.
+        const int count = std::min(bins_, kLeastBins + static_cast<int>(range.size() / kBinShare));
+        unsigned axes = 0;
         for (int a = 0; a < 3; ++a) {
-            // Just under kBins, so that the last centre falls into the last bin.
-            const float s =
-                kBins * (1 - static_cast<float>(numeric::powerOfTwo(-20))) / (upper[a] - lower[a]);
+            // Just under `count`, so that the last centre falls into the last bin.
+            const float s = static_cast<float>(count) *
+                            (1 - static_cast<float>(numeric::powerOfTwo(-20))) /
+                            (upper[a] - lower[a]);
             scale[a] = upper[a] > lower[a] && s < kInfinityF32 ? s : 0;
+            axes |= static_cast<unsigned>(scale[a] != 0) << a;
         }
-        Bins bins;
+        axes &= range.open;
+        if (!axes) return {};
         const auto fill = [&](std::uint32_t first, std::uint32_t last, Bins& into) {
+            into.clear(axes, count);
             const __m128 low = _mm_load_ps(lower), factor = _mm_load_ps(scale);
             for (std::uint32_t i = first; i < last; ++i) {
                 const __m128 l = lowerOf(from[i]), u = upperOf(from[i]);
@@ -165,12 +192,12 @@ private:
                     reinterpret_cast<__m128i*>(bin),
                     _mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(_mm_add_ps(l, u), low), factor)));
                 for (int a = 0; a < 3; ++a) {
-                    const int b = bin[a] & (kBins - 1);
-                    into.box[a][b].add(l, u);
-                    ++into.count[a][b];
+                    if (!(axes >> a & 1)) continue;
+                    into.of[a][bin[a]].add(l, u, 1);
                 }
             }
         };
+        Bins bins;
         if (range.size() <= kChunk) {
             fill(range.begin, range.end, bins);
         } else {
@@ -179,30 +206,33 @@ private:
                        [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
                            fill(first, last, parts[i]);
                        });
-            for (const Bins& part : parts) bins.add(part);
+            bins.clear(axes, count);
+            for (const Bins& part : parts) bins.add(part, axes, count);
         }
         Cut best;
         float bestCost = kInfinityF32;
         for (int a = 0; a < 3; ++a) {
-            if (scale[a] == 0 || !(range.open >> a & 1)) continue;
-            float aboveArea[kBins];
-            std::uint32_t aboveCount[kBins];
+            if (!(axes >> a & 1)) continue;
+            float aboveArea[kMostBins];
+            std::uint32_t aboveCount[kMostBins];
             Box box;
-            std::uint32_t count = 0;
-            for (int i = kBins - 1; i > 0; --i) {
-                box.add(bins.box[a][i]);
-                count += bins.count[a][i];
+            std::uint32_t inBox = 0;
+            for (int i = count - 1; i > 0; --i) {
+                const Bin& bin = bins.of[a][i];
+                box.add(bin.lower, bin.upper);
+                inBox += bin.count;
                 aboveArea[i] = box.area();
-                aboveCount[i] = count;
+                aboveCount[i] = inBox;
             }
             box = Box();
-            count = 0;
-            for (int i = 1; i < kBins; ++i) {
-                box.add(bins.box[a][i - 1]);
-                count += bins.count[a][i - 1];
-                if (count == 0 || aboveCount[i] == 0) continue;
+            inBox = 0;
+            for (int i = 1; i < count; ++i) {
+                const Bin& bin = bins.of[a][i - 1];
+                box.add(bin.lower, bin.upper);
+                inBox += bin.count;
+                if (inBox == 0 || aboveCount[i] == 0) continue;
                 // Work comes in blocks; fours, since blocks are rarely full.
-                const float cost = box.area() * static_cast<float>((count + 3) / 4) +
+                const float cost = box.area() * static_cast<float>((inBox + 3) / 4) +
                                    aboveArea[i] * static_cast<float>((aboveCount[i] + 3) / 4);
                 if (cost < bestCost) {
                     bestCost = cost;
@@ -407,12 +437,12 @@ private:
 
     /// Cost of a cell as a leaf, per unit of area: blocks and custom calls, in node visits.
     float leafCost(const Cell& cell) const {
-        if (cell.sharesBlock) return kBlockCost;
+        if (cell.sharesBlock) return blockCost_;
         std::uint32_t count[4] = {};
         for (std::uint32_t i = cell.begin; i < cell.end; ++i) ++count[references_[i].kind];
         float cost = kCustomCost * static_cast<float>(count[3]);
         for (int kind = 0; kind < 3; ++kind)
-            cost += kBlockCost * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
+            cost += blockCost_ * static_cast<float>((count[kind] + kLanes - 1) / kLanes);
         return cost;
     }
 
@@ -464,7 +494,10 @@ private:
     const geometry::Primitives& primitives_;
     Reference* const references_;
     std::unique_ptr<Reference[]> other_;
-    const std::uint32_t leastCut_, maxObjects_;
+    const std::uint32_t leastCut_;
+    const int bins_;
+    const float blockCost_;
+    const std::uint32_t maxObjects_;
     const float minSize_;
     std::atomic<std::uint32_t> cellCount_{0};
 };

@@ -306,6 +306,20 @@ void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint3
     }
 }
 
+std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        return static_cast<std::uint32_t>(__builtin_popcount(tree.shared[index].valid));
+    case kNarrowSharedLeaf:
+        return static_cast<std::uint32_t>(__builtin_popcount(tree.narrowShared[index].valid));
+    default:
+        std::vector<std::uint32_t> ids;
+        idsOfLeaf(tree, reference, ids);
+        return static_cast<std::uint32_t>(ids.size());
+    }
+}
+
 float costOfLeaf(const Tree& tree, std::uint32_t reference) {
     if ((reference >> kLeafKindShift & 7) != kMixedLeaf) return kBlockCost;
     const LeafRecord& leaf = tree.records[reference & kLeafIndex];

@@ -52,6 +52,9 @@ private:
 /// Appends the ids of a leaf's primitives.
 void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids);
 
+/// How many primitives a leaf holds.
+std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference);
+
 /// Cost of testing a leaf once, in node visits.
 float costOfLeaf(const Tree& tree, std::uint32_t reference);
 

@@ -24,12 +24,20 @@ enum class Storage : std::uint8_t {
     f64
 };
 
+/// What measurement chose: octree_bench --sweep.
+struct Tuning {
+    int bins = 16;              // places for a plane along an axis, at most 32
+    std::uint32_t leastCut = 4; // cells of as many primitives or fewer are not cut
+    float blockCost = 1;        // of testing one block, in visits of a node
+};
+
 struct BuildOptions {
     std::uint32_t maxObjects = 16; // largest number of primitives in a cell that is not cut further
     double minSize = 0; // cells with all sides <= this are not cut, world units; 0: no limit
     Storage storage = Storage::narrowest;
-    int threads = 0;        // 0: all that the process may use
-    bool movable = false;   // keeps what update() needs, 4 bytes a primitive; else it builds anew
+    int threads = 0;      // 0: all that the process may use
+    bool movable = false; // keeps what update() needs, 4 bytes a primitive; else it builds anew
+    Tuning tuning = {};
     Simd simd = Simd::best; // best: what RT_SIMD asks for, or else the widest that this CPU has
 };
 

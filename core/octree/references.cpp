@@ -159,6 +159,16 @@ References referencesOf(const Primitives& primitives, bool movable) {
     return result;
 }
 
+bool inOctreeSpace(const Box3d& box, const double center[3], double scale, float lower[3],
+                   float upper[3]) {
+    for (int i = 0; i < 3; ++i) {
+        lower[i] = lowerInOctreeSpace(box.min[i], center[i], scale);
+        upper[i] = upperInOctreeSpace(box.max[i], center[i], scale);
+        if (!(lower[i] >= -1 && upper[i] <= 1)) return false;
+    }
+    return true;
+}
+
 bool referenceOf(const Primitives& primitives, std::uint32_t id, const double center[3],
                  double scale, Reference& reference) {
     const auto& segments = primitives.segments;
@@ -167,10 +177,9 @@ bool referenceOf(const Primitives& primitives, std::uint32_t id, const double ce
     const std::uint32_t index = segment.index + id - static_cast<std::uint32_t>(segment.first);
     const Box3d box = boundsOf(primitives, segment.kind, index);
     if (!isBounded(primitives, segment.kind, index, box)) return false;
-    fill(reference, id, segment.kind, box, center, scale);
-    for (int i = 0; i < 3; ++i)
-        if (!(reference.lower[i] >= -1 && reference.upper[i] <= 1)) return false;
-    return true;
+    reference.id = id;
+    reference.kind = static_cast<std::uint32_t>(segment.kind);
+    return inOctreeSpace(box, center, scale, reference.lower, reference.upper);
 }
 
 } // namespace rt::octree

@@ -16,11 +16,14 @@ using geometry::PrimitiveId;
 using geometry::Primitives;
 
 // Chosen by octree_bench --moves; see tests/octree/update_test.cpp for what they keep.
-constexpr float kGrowth = 1.2f;           // of a box's area, by what stays in it although it moved
-constexpr float kScatter = 2;             // area of a box, over those of the primitives in it
-constexpr float kDrift = 0.1f;            // of a subtree's cost, before it is built anew
-constexpr std::uint32_t kNodesPart = 4;   // whole: when nodes have become 1 + 1/4 times as many
-constexpr std::uint64_t kManySingles = 4; // whole: primitives entered again, times all there are
+constexpr float kGrowth = 1.2f; // of a box's area, by what stays in it although it moved
+constexpr float kTurned =
+    2; // of the box of a leaf that moves as a whole, when nothing more is asked
+constexpr float kScatter = 2; // area of a box, over those of the primitives in it
+constexpr float kDrift = 0.1f, kDriftOfFew = 0.3f; // of a subtree's cost, before it is built anew
+constexpr std::uint32_t kFew = 4096; // primitives of a subtree whose drift the whole hardly feels
+constexpr std::uint32_t kNodesPart = 4;     // whole: when nodes have become 1 + 1/4 times as many
+constexpr std::uint64_t kManySingles = 4;   // whole: primitives entered again, times all there are
 constexpr std::uint32_t kWorthBuilding = 8; // whole: when more than 1/8 of all leave in one update
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
@@ -186,8 +189,48 @@ private:
         }
     }
 
+    /// A shared block whose triangles have all moved, and share the same corners: only those change.
+    bool moveCorners(SharedBlock& block, const Box& before, Box& box) const {
+        const auto& triangles = primitives_.triangles;
+        double corner[3][kSharedLanes];
+        unsigned known = 0;
+        numeric::Box3d bounds;
+        for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
+            const int lane = __builtin_ctz(lanes);
+            if (!moved(block.id[lane])) return false;
+            const auto& indices = triangles.indices[indexInKind(primitives_, block.id[lane])];
+            for (std::size_t c = 0; c < 3; ++c) {
+                const unsigned at = block.index[c][lane];
+                const geometry::Vec3& p = triangles.positions[indices[c]];
+                const geometry::Vec3 q(corner[0][at], corner[1][at], corner[2][at]);
+                if (!(known >> at & 1)) {
+                    for (int a = 0; a < 3; ++a) corner[a][at] = p[a];
+                    known |= 1u << at;
+                    bounds.add(p);
+                    if (!numeric::isFinite(p)) return false;
+                } else if (std::memcmp(&p, &q, sizeof p) != 0) {
+                    return false;
+                }
+            }
+        }
+        alignas(16) float lower[4] = {}, upper[4] = {};
+        if (!inOctreeSpace(bounds, center_, scale_, lower, upper)) return false;
+        box = Box();
+        box.add(_mm_load_ps(lower), _mm_load_ps(upper));
+        if (!(box.area() <= kTurned * before.area())) return false;
+        for (int a = 0; a < 3; ++a)
+            for (int i = 0; i < kSharedLanes; ++i)
+                block.corner[a][i] = corner[a][known >> i & 1 ? i : 0];
+        return true;
+    }
+
     Edited editLeaf(std::uint32_t leaf, const Box& before) {
         Edited result;
+        if ((leaf >> kLeafKindShift & 7) == kSharedLeaf &&
+            moveCorners(tree_.shared[leaf & kLeafIndex], before, result.box)) {
+            result.reference = leaf;
+            return result;
+        }
         members_.clear();
         idsOfLeaf(tree_, leaf, members_);
         references_.resize(members_.size());
@@ -462,10 +505,8 @@ private:
     // ---- counts, boxes and costs of what changed ------------------------------------------------------
 
     std::uint32_t countOf(std::uint32_t reference) {
-        if (!(reference & kLeaf)) return tree_.nodes[reference].links.count;
-        members_.clear();
-        idsOfLeaf(tree_, reference, members_);
-        return static_cast<std::uint32_t>(members_.size());
+        return reference & kLeaf ? sizeOfLeaf(tree_, reference)
+                                 : tree_.nodes[reference].links.count;
     }
 
     void refresh(std::uint32_t index) {
@@ -521,7 +562,8 @@ private:
     /// tree that has drifted.
     bool inspect(std::uint32_t index, float& fresher) {
         const float fresh = freshCost(index), excess = excessOf(index);
-        if (!(excess > kDrift * fresh)) return true;
+        const bool few = tree_.nodes[index].links.count <= kFew;
+        if (!(excess > (few ? kDriftOfFew : kDrift) * fresh)) return true;
         float explained = 0;
         for (const std::uint32_t child : tree_.nodes[index].child)
             if (!(child & kLeaf)) explained += std::max(0.0f, excessOf(child));

@@ -1,16 +1,13 @@
 #include "bench_meshes.hpp"
 
 #include <core/numeric/box.hpp>
+#include <plugins/loaders/mesh_import.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <stdexcept>
-#include <string_view>
 
 namespace rt::bench {
 namespace {
@@ -26,44 +23,10 @@ private:
     std::mt19937 bits_;
 };
 
-void readObj(Mesh& mesh, const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw std::runtime_error("cannot read '" + path + "'");
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-    std::string_view rest = text;
-    while (!rest.empty()) {
-        const auto end = rest.find('\n');
-        std::string_view line = rest.substr(0, end);
-        rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
-        const auto number = [&](auto& value) {
-            while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
-            const auto [to, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-            if (error != std::errc{}) return false;
-            line.remove_prefix(static_cast<std::size_t>(to - line.data()));
-            return true;
-        };
-        if (line.starts_with("v ")) {
-            line.remove_prefix(2);
-            Vec3 p;
-            for (int i = 0; i < 3; ++i)
-                if (!number(p[i])) throw std::runtime_error("bad vertex in '" + path + "'");
-            mesh.positions.push_back(p);
-        } else if (line.starts_with("f ")) {
-            line.remove_prefix(2);
-            std::vector<std::uint32_t> corners;
-            for (std::int64_t i; number(i);) {
-                const auto count = static_cast<std::int64_t>(mesh.positions.size());
-                corners.push_back(static_cast<std::uint32_t>(i < 0 ? count + i : base + i - 1));
-                while (!line.empty() && line.front() != ' ') line.remove_prefix(1);
-            }
-            for (std::size_t i = 2; i < corners.size(); ++i)
-                mesh.indices.push_back({corners[0], corners[i - 1], corners[i]});
-        }
-    }
-    for (const auto& t : mesh.indices)
-        for (const auto i : t)
-            if (i >= mesh.positions.size()) throw std::runtime_error("bad index in '" + path + "'");
+void readFile(Mesh& mesh, const std::string& path) {
+    const auto import = loaders::importMesh(path, {.normals = loaders::Normals::flat});
+    for (const auto& p : import.mesh.positions) mesh.positions.emplace_back(p.x, p.y, p.z);
+    mesh.indices = import.mesh.triangles;
 }
 
 void subdivide(Mesh& mesh) {
@@ -110,6 +73,33 @@ void addIcosphere(Mesh& mesh, int levels, double displacement, Vec3 center, doub
         mesh.positions.push_back(center + p * (radius * (1 + displacement * bumps(p))));
     for (const auto [a, b, c] : ball.indices)
         mesh.indices.push_back({a + base, b + base, c + base});
+}
+
+/// A tube along a trefoil knot, `around` times `across` quads of unequal sizes, bumpy at all scales.
+void addKnot(Mesh& mesh, std::uint32_t around, std::uint32_t across) {
+    const auto at = [](double a) {
+        return Vec3(std::sin(a) + 2 * std::sin(2 * a), std::cos(a) - 2 * std::cos(2 * a),
+                    -std::sin(3 * a));
+    };
+    for (std::uint32_t i = 0; i < around; ++i) {
+        const double share = static_cast<double>(i) / around;
+        const double a = 2 * M_PI * (share + 0.03 * std::sin(2 * M_PI * 5 * share));
+        const Vec3 center = at(a), along = normalize(at(a + 0.001) - at(a - 0.001));
+        const Vec3 side = normalize(numeric::cross(along, Vec3(0, 0, 1) + center * 0.2));
+        const Vec3 other = numeric::cross(along, side);
+        for (std::uint32_t k = 0; k < across; ++k) {
+            const double b = 2 * M_PI * k / across;
+            const Vec3 out = side * std::cos(b) + other * std::sin(b);
+            mesh.positions.push_back(center + out * (0.5 * (1 + 0.3 * bumps(center + out * 0.5))));
+        }
+    }
+    for (std::uint32_t i = 0; i < around; ++i)
+        for (std::uint32_t k = 0; k < across; ++k) {
+            const std::uint32_t next = (i + 1) % around * across, turn = (k + 1) % across;
+            const std::uint32_t a = i * across + k, b = next + k, c = next + turn,
+                                d = i * across + turn;
+            mesh.indices.insert(mesh.indices.end(), {{a, b, c}, {a, c, d}});
+        }
 }
 
 void addQuad(Mesh& mesh, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
@@ -205,6 +195,18 @@ Mesh makeMesh(const std::string& what) {
     if (base == "ico") {
         addIcosphere(mesh, 8, 0.35, Vec3(0.0), 1);
         lookFrom(mesh, {0.4, 0.3, 1}, 2);
+    } else if (base == "scan70k" || base == "scan870k") {
+        // 2 · 577 · 61 is 70 394, 2 · 2000 · 218 is 872 000: the classes of the bunny and the dragon.
+        base == "scan70k" ? addKnot(mesh, 577, 61) : addKnot(mesh, 2000, 218);
+        lookFrom(mesh, {0.3, 0.3, 1}, 2);
+    } else if (base == "bodies") {
+        addIcosphere(mesh, 7, 0.35, Vec3(0.0), 1);
+        addIcosphere(mesh, 7, 0.2, {0.2, 2.2, 0}, 0.6);
+        addIcosphere(mesh, 7, 0.2, {-0.2, -2.2, 0}, 0.6);
+        mesh.firstOfBody = static_cast<std::uint32_t>(mesh.indices.size());
+        mesh.firstVertexOfBody = static_cast<std::uint32_t>(mesh.positions.size());
+        addIcosphere(mesh, 6, 0.2, {2.6, 0, 0}, 0.5);
+        lookFrom(mesh, {0.4, 0.3, 1}, 2);
     } else if (base == "stadium") {
         makeStadium(mesh);
     } else if (base == "soup") {
@@ -212,7 +214,7 @@ Mesh makeMesh(const std::string& what) {
     } else if (base == "sliver") {
         makeSlivers(mesh);
     } else {
-        readObj(mesh, base);
+        readFile(mesh, base);
         lookFrom(mesh, {0.3, 0.3, 1}, 2);
     }
     if (star != std::string::npos)

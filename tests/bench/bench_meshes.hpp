@@ -16,11 +16,15 @@ struct Mesh {
     std::vector<Vec3> positions; // values that f32 can hold, so that Embree sees the same geometry
     std::vector<std::array<std::uint32_t, 3>> indices;
     Vec3 eye, target, light;
-    double fieldOfView = 0; // whole angle, radians
+    double fieldOfView = 0;                               // whole angle, radians
+    std::uint32_t firstOfBody = 0, firstVertexOfBody = 0; // of the part that moves; 0: none
 };
 
-/// `what` is a Wavefront OBJ file, or one of
+/// `what` is a mesh file that rt's loader reads, or one of
+///   scan70k  bumpy knot of 70 394 triangles of all sizes, as a scanner gives
+///   scan870k the same of 872 000
 ///   ico      displaced sphere of 1.3 million triangles
+///   bodies   three displaced spheres of 983 040, and one of 81 920 circling them
 ///   stadium  a dense object of 1/100 of the size of the terraces around it, 150 000
 ///   soup     500 000 unconnected triangles
 ///   sliver   20 000 long needles
