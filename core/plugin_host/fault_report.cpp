@@ -27,7 +27,8 @@ struct NamedCall {
 std::array<NamedCall, 256> namedCalls; // custom shapes of more modules than this stay unnamed
 std::atomic<std::size_t> namedCallCount{0};
 
-std::atomic<const Call*> runningCall{nullptr};
+constinit thread_local std::atomic<const Call*> runningCall{
+    nullptr}; // loaders may run side by side
 std::atomic<bool> exitExpected{false}, saysJson{false};
 std::atomic<pid_t> reportingThread{0};
 

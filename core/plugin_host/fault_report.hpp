@@ -23,7 +23,7 @@ template <class Function> void nameCall(Function* function, const char* call) {
     nameCall(reinterpret_cast<const void*>(function), call);
 }
 
-/// While it lives, one of the serial calls into a plugin runs, and a fault is located where the scene asked for it.
+/// While it lives, one of the [setup] calls into a plugin runs on this thread, and a fault is located where the scene asked for it.
 class RunningCall {
 public:
     explicit RunningCall(const Call& call);

@@ -17,6 +17,7 @@ struct LowerOptions {
     /// Gains the files that values and materials name, once each; not what a loader's file names in its turn, but images.
     std::set<std::string>* files = nullptr;
     scene::Limits limits;
+    int threads = 0; // that files may be loaded on; 0: all that the process may use
 };
 
 /// The world, or nothing when `diagnostics` has gained an error (E04xx files, E05xx plugins, E07xx

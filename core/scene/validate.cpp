@@ -2,6 +2,7 @@
 
 #include <core/numeric/rounding.hpp>
 #include <core/scene/codes.hpp>
+#include <core/scene/file_suffix.hpp>
 #include <core/scene/map_reader.hpp>
 #include <core/scene/names.hpp>
 #include <core/scene/validate_animation.hpp>
@@ -613,7 +614,7 @@ private:
             type = named->text;
             place = named->location;
         } else {
-            const std::string suffix = suffixOf(*path);
+            const std::string suffix = fileSuffix(*path);
             type = suffix.empty() ? "" : catalog_.loaderFor(suffix);
             if (type.empty()) {
                 std::string loaders; // names() offers what is not opened yet as everything
@@ -638,20 +639,6 @@ private:
         loader.rows = rows->rows;
         loader.values = reader.readRows(rows->rows);
         return true;
-    }
-
-    /// Lower case, without the dot; that of the inner name for `.gz`.
-    static std::string suffixOf(const std::string& path) {
-        std::filesystem::path name = std::filesystem::path(path).filename();
-        const auto lowerSuffix = [&] {
-            std::string suffix = name.extension().native();
-            std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](char c) {
-                return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-            });
-            return suffix.empty() ? suffix : suffix.substr(1);
-        };
-        if (lowerSuffix() == "gz") name = name.stem();
-        return lowerSuffix();
     }
 
     TypeCatalog& catalog_;

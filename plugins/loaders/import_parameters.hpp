@@ -20,7 +20,9 @@ inline constexpr std::array kImportParameters{
 
 /// Puts what was read and repaired into the scene, with the notes that belong to it.
 inline void put(Import import, Kind kind, Geometry& out) {
-    for (const std::string& note : import.notes(kind == Kind::solid)) out.note(note);
+    for (const std::string& note : import.notes()) out.note(note);
+    if (kind == Kind::solid && import.summary.openEdges != 0)
+        out.warn(notClosed(import.name, import.summary.openEdges));
     std::vector<std::uint32_t> handles;
     for (const Material& material : import.materials) handles.push_back(out.material(material));
     for (std::uint32_t& m : import.mesh.materials)

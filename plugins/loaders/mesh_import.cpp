@@ -288,7 +288,7 @@ bool endsWith(std::string_view text, std::string_view end) {
 
 } // namespace
 
-std::vector<std::string> Import::notes(bool solid) const {
+std::vector<std::string> Import::notes() const {
     std::vector<std::string> out = fileNotes;
     for (const std::string& note : summary.notes()) out.push_back(name + ": " + note);
     const auto say = [&](std::uint32_t n, const char* one, const char* many) {
@@ -299,10 +299,12 @@ std::vector<std::string> Import::notes(bool solid) const {
         "triangles had their normals turned to the side they face");
     say(crossedFaces, "face crosses itself in its best-fit plane; its triangles overlap",
         "faces cross themselves in their best-fit planes; their triangles overlap");
-    if (solid)
-        say(summary.openEdges, "open edge: the solid is not closed",
-            "open edges: the solid is not closed");
     return out;
+}
+
+std::string notClosed(const std::string& name, std::uint32_t openEdges) {
+    return (name.empty() ? "" : name + ": ") + "the solid is not closed: it has " + std::to_string(openEdges) +
+           (openEdges == 1 ? " boundary edge" : " boundary edges");
 }
 
 MeshFile readMesh(const std::string& path, std::string bytes) {

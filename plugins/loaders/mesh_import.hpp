@@ -31,8 +31,11 @@ struct Import {
     std::uint32_t crossedFaces = 0;     // whose outline crosses itself
 
     /// One sentence each for everything that the user should know.
-    std::vector<std::string> notes(bool solid) const;
+    std::vector<std::string> notes() const;
 };
+
+/// The sentence for a solid with boundary edges. `name` of its file, if it has one.
+std::string notClosed(const std::string& name, std::uint32_t openEdges);
 
 /// The file at `path` as it stands: .obj or .ply, or gzip of one (the suffix .gz is optional), by the
 /// suffix. Throws FileError.

@@ -29,5 +29,5 @@ void repair(const ImportOptions& options, const rt::File& file, rt::TextOut& mes
 
 RT_REPAIRING_LOADER_PLUGIN(
     "openmesh", "1.0.0", "obj|ply", rt::loaders::kImportParameters, load, repair,
-    "Reads OBJ and PLY meshes, also gzipped, and repairs them.",
+    RT_LOADS_CONCURRENTLY, "Reads OBJ and PLY meshes, also gzipped, and repairs them.",
     "- mesh: {file: dragon.obj, kind: solid, normals: smooth, material: glass}\n")

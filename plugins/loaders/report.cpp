@@ -1,5 +1,7 @@
 #include "report.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <string>
 
 namespace rt::loaders {
@@ -18,6 +20,32 @@ std::string json(std::string_view text) {
             out += c;
     }
     return out + '"';
+}
+
+/// {"min": [x, y, z], "max": [...]} of the faces that are left; null where none is.
+std::string boundsOf(const MeshFile& file, const RepairedMesh& repaired) {
+    Box box{Vector3{kInfinity, kInfinity, kInfinity}, Vector3{-kInfinity, -kInfinity, -kInfinity}};
+    for (std::uint32_t f = 0; f < repaired.faceCount(); ++f) {
+        if (repaired.outcomes[repaired.sourceFace[f]].action == FaceAction::dropped) continue;
+        for (auto c = repaired.faceStart[f]; c < repaired.faceStart[f + 1]; ++c) {
+            const Vector3& p = file.positions[file.cornerPosition[repaired.corners[c]]];
+            box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y),
+                         std::min(box.lower.z, p.z)};
+            box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y),
+                         std::max(box.upper.z, p.z)};
+        }
+    }
+    if (!(box.lower.x <= box.upper.x)) return "null";
+    const auto array = [](const Vector3& v) {
+        std::string text;
+        for (const double value : {v.x, v.y, v.z}) {
+            char digits[32];
+            text += text.empty() ? "[" : ", ";
+            text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+        }
+        return text + "]";
+    };
+    return "{\"min\": " + array(box.lower) + ", \"max\": " + array(box.upper) + "}";
 }
 
 } // namespace
@@ -60,6 +88,7 @@ void writeReport(const MeshFile& file, const RepairedMesh& repaired, bool everyF
     count("seam_edges", s.seamEdges);
     out += "\n  },\n  \"closed\": ";
     out += s.openEdges == 0 ? "true" : "false";
+    out += ",\n  \"bounds\": " + boundsOf(file, repaired);
     out += ",\n  \"notes\": [";
     separator = "";
     std::vector<std::string> notes = file.notes;

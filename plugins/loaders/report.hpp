@@ -7,7 +7,7 @@
 
 namespace rt::loaders {
 
-/// {"file": ..., "summary": {counts}, "notes": [sentences]}, and with `everyFace` also
+/// {"file": ..., "summary": {counts}, "closed": ..., "bounds": {"min", "max"}, "notes": [sentences]}, and with `everyFace` also
 /// "faces": [{"action": "kept" | "flipped" | "dropped", "reason": ...}], one per face of the file, in its order.
 void writeReport(const MeshFile& file, const RepairedMesh& repaired, bool everyFace,
                  const std::function<void(std::string_view)>& write);

@@ -225,8 +225,7 @@ TEST(Normals, TheFilesAreKeptPerCorner) {
     EXPECT_EQ(mesh.normalIndices[1][0], kNone);
     EXPECT_EQ(cornerNormal(mesh, 1, 1), (Vector3{0.6, 0, 0.8}));
     EXPECT_EQ(mesh.normalIndices[1][2], kNone);
-    EXPECT_THAT(import(obj).notes(false),
-                Contains("test.obj: 1 normal without length was not used"));
+    EXPECT_THAT(import(obj).notes(), Contains("test.obj: 1 normal without length was not used"));
     // Where the file has none, the groups decide.
     const Mesh mixed = import("s 1\n" + obj + "v 2 0 1\nf 2 5 3\n").mesh;
     EXPECT_NE(mixed.normalIndices[2][0], kNone);

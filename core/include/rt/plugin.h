@@ -6,11 +6,11 @@
  * The first 24 bytes of rt_module (the stamp) never change in any version: the host reads them from the
  * file before it opens the module.
  *
- * Threads: [setup] calls are serial. [render] calls are concurrent and may not allocate, lock or throw.
+ * Threads: [setup] calls are serial, but for load() of a loader that says otherwise. [render] calls are concurrent and may not allocate, lock or throw.
  *
  * History of the number below:
  *   1.0  first version.
- *   1.1  rt_host: max_texels, exceeds. */
+ *   1.1  rt_host: max_texels, exceeds, warn; rt_loader: traits. */
 #ifndef RT_PLUGIN_H
 #define RT_PLUGIN_H
 
@@ -179,6 +179,8 @@ typedef struct rt_host {           /* growable */
     uint64_t max_texels;           /* of one image; since 1.1                                           */
     /* As fail, where the value is right but more than the user lets the host take; since 1.1. */
     rt_status (*exceeds)(const struct rt_host *, int32_t parameter, const char *message);
+    /* As note, for what is likely a mistake in the user's file; since 1.1. */
+    void (*warn)(const struct rt_host *, const char *message);
 } rt_host;
 
 /* ---- what a module offers: exactly one of shape, texture, loader ---------------------------------- */
@@ -198,6 +200,8 @@ typedef struct rt_text_sink {      /* growable */
 
 enum { RT_REPORT_FACES = 1u << 0 /* the report also says what became of every face */ };
 
+enum { RT_LOADS_CONCURRENTLY = 1u << 0 /* load() may be called by several threads at once, each with a sink of its own */ };
+
 typedef struct rt_loader {         /* growable */
     uint32_t struct_size, param_count;
     const rt_param *params;
@@ -207,6 +211,7 @@ typedef struct rt_loader {         /* growable */
      * JSON object, into `report`; either may be NULL. NULL: this loader repairs nothing. */
     rt_status (*repair)(const rt_host *, const char *path, const rt_value *values, rt_text_sink *mesh,
                         rt_text_sink *report, uint32_t flags);
+    uint32_t traits, reserved;     /* RT_LOADS_CONCURRENTLY; since 1.1                                  */
 } rt_loader;
 
 typedef struct rt_surface_point {  /* frozen */

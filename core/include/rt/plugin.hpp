@@ -380,6 +380,11 @@ public:
     std::uint64_t maxTexels() const {
         return RT_HAS(host_, rt_host, max_texels) ? host_->max_texels : std::uint64_t{1} << 26;
     }
+    /// One sentence: what is likely a mistake in the user's file.
+    void warn(const std::string& sentence) {
+        const bool can = RT_HAS(host_, rt_host, warn);
+        (can ? host_->warn : host_->note)(host_, sentence.c_str());
+    }
 
 protected:
     const rt_host* host_;
@@ -699,21 +704,27 @@ constexpr rt_module module(const char* name, const char* version, const char* do
 
 /// EXTENSIONS: "obj|ply". LOAD: void (const T&, const rt::File&, rt::Kind, rt::Geometry&)
 #define RT_LOADER_PLUGIN(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, DOC, EXAMPLE)                \
-    RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, nullptr, DOC, EXAMPLE)
+    RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, nullptr, 0, DOC, EXAMPLE)
 
 /// As RT_LOADER_PLUGIN. REPAIR: void (const T&, const rt::File&, rt::TextOut& mesh, rt::TextOut& report,
-/// bool everyFace)
-#define RT_REPAIRING_LOADER_PLUGIN(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR, DOC,       \
-                                   EXAMPLE)                                                        \
+/// bool everyFace). TRAITS: 0 or RT_LOADS_CONCURRENTLY.
+#define RT_REPAIRING_LOADER_PLUGIN(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR, TRAITS,    \
+                                   DOC, EXAMPLE)                                                   \
     RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD,                                 \
-                      (&rt::detail::repair<PARAMETERS, REPAIR>), DOC, EXAMPLE)
+                      (&rt::detail::repair<PARAMETERS, REPAIR>), TRAITS, DOC, EXAMPLE)
 
-#define RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR_ENTRY, DOC, EXAMPLE) \
+#define RT_LOADER_PLUGIN_(NAME, VERSION, EXTENSIONS, PARAMETERS, LOAD, REPAIR_ENTRY, TRAITS, DOC,  \
+                          EXAMPLE)                                                                 \
     namespace {                                                                                    \
     constexpr auto kRtRows = rt::detail::rows(PARAMETERS);                                         \
-    constexpr rt_loader kRtLoader{                                                                 \
-        sizeof(rt_loader), static_cast<std::uint32_t>(kRtRows.size()),   kRtRows.data(),           \
-        EXTENSIONS,        &rt::detail::load<PARAMETERS, kRtRows, LOAD>, REPAIR_ENTRY};            \
+    constexpr rt_loader kRtLoader{sizeof(rt_loader),                                               \
+                                  static_cast<std::uint32_t>(kRtRows.size()),                      \
+                                  kRtRows.data(),                                                  \
+                                  EXTENSIONS,                                                      \
+                                  &rt::detail::load<PARAMETERS, kRtRows, LOAD>,                    \
+                                  REPAIR_ENTRY,                                                    \
+                                  TRAITS,                                                          \
+                                  0};                                                              \
     }                                                                                              \
     extern "C" RT_EXPORT constexpr rt_module rt_plugin_entry =                                     \
         rt::detail::module(NAME, VERSION, DOC, EXAMPLE, nullptr, nullptr, &kRtLoader);
