@@ -27,6 +27,8 @@ const std::vector<std::string> kShades{"full", "normals", "depth", "id", "cost"}
 const std::vector<std::string> kWindowOrders{"auto", "width_height", "height_width"};
 const std::vector<std::string> kEncodings{"srgb", "linear"};
 const std::vector<std::string> kNewKinds{"scene", "shape", "texture", "loader"};
+const std::vector<std::string> kMeshActions{"repair"};
+const std::vector<std::string> kRepairs{"full", "orient", "none"};
 const std::vector<std::string> kShells{"bash", "zsh", "fish"};
 
 /// One subcommand: its CLI11 half recognises, its takers fill the options once every word is known.
@@ -250,6 +252,7 @@ public:
         addInfo();
         addSchema();
         addConvert();
+        addMesh();
         addCompare();
         addPlugins();
         addNew();
@@ -349,6 +352,7 @@ private:
     void addInfo();
     void addSchema();
     void addConvert();
+    void addMesh();
     void addCompare();
     void addPlugins();
     void addNew();
@@ -378,6 +382,7 @@ private:
     InfoOptions info_;
     SchemaOptions schema_;
     ConvertOptions convert_;
+    MeshOptions mesh_;
     CompareOptions compare_;
     PluginsOptions plugins_;
     NewOptions new_;
@@ -569,8 +574,8 @@ void Program::addInfo() {
     Command& c = add("info", "Tell what a scene holds, what it loads and why, and what it costs.",
                      "rt info scene.yaml         # counts, bounds, plugins, memory\n"
                      "rt info scene.yaml --full  # the scene with every default filled in\n"
-                     "rt info scene.yaml --json  # for scripts\n");
-    c.argument("scene", "SCENE", "The scene, a YAML file.", info_.scene);
+                     "rt info in.obj             # a mesh, and what has to be repaired\n");
+    c.argument("scene", "SCENE", "The scene, a YAML file; or a mesh, .obj or .ply.", info_.scene);
     c.flag("--full", "Print the scene as YAML with every default filled in.", info_.full);
     c.flag("--json", "Print JSON.", info_.json);
     addSceneOptions(c, info_);
@@ -606,6 +611,26 @@ void Program::addConvert() {
                      static_cast<converters::WindowOrder>(parseChoice(word, kWindowOrders));
              });
     c.flag("--json-notes", "Print the notes as JSON on stdout, one per line.", o.jsonNotes);
+    addPluginDirs(c, o.pluginDirs);
+}
+
+void Program::addMesh() {
+    Command& c = add("mesh", "Repair a mesh file, and say of every face what became of it.",
+                     "rt mesh repair in.obj -o out.obj         # prints what was repaired\n"
+                     "rt mesh repair in.obj --report r.json    # face by face; writes no mesh\n"
+                     "rt mesh repair in.ply -o - > out.obj     # PLY becomes OBJ\n");
+    MeshOptions& o = mesh_;
+    c.argument("action", "ACTION", "repair.", o.action);
+    c.argument("mesh", "MESH", "The mesh: .obj or .ply, also gzipped.", o.file);
+    c.option("-o,--output", "FILE", "Write the repaired mesh here, as OBJ; - is stdout.",
+             [&o](const std::string& word) { o.output = checkedOutput(word); });
+    c.option("--report", "FILE",
+             "Write what was done as JSON: counts, and each face of the file in its order.",
+             [&o](const std::string& word) { o.report = checkedOutput(word); });
+    c.option("--repair", choiceName(kRepairs),
+             "full, the default: drop duplicate and degenerate faces, orient the others; orient: "
+             "only that; none: only join what lies together.",
+             [&o](const std::string& word) { parseChoice(word, kRepairs), o.level = word; });
     addPluginDirs(c, o.pluginDirs);
 }
 
@@ -728,6 +753,8 @@ void Program::refuseExtras(const Command* command) const {
         hint = "to draw a scene: rt render " + word;
     else if (word.ends_with(".inf"))
         hint = "to convert a scene: rt convert " + word;
+    else if (word.ends_with(".obj") || word.ends_with(".ply"))
+        hint = "to look at a mesh: rt info " + word;
     throw UsageError("there is no command " + scene::quoted(word), hint);
 }
 
@@ -775,6 +802,10 @@ void Program::parse(int argc, const char* const* argv, CommandLine& line) {
     if (line.command == "schema") line.options = schema_;
     if (line.command == "convert") line.options = convert_;
     if (line.command == "view") line.options = view_;
+    if (line.command == "mesh") {
+        parseChoice(mesh_.action, kMeshActions);
+        line.options = mesh_;
+    }
     if (line.command == "compare") line.options = compare_;
     if (line.command == "plugins") line.options = plugins_;
     if (line.command == "new") {

@@ -138,6 +138,15 @@ struct ConvertOptions {
     bool jsonNotes = false;
 };
 
+struct MeshOptions {
+    std::string action; // "repair"
+    std::string file;
+    std::string output; // "-": stdout; empty: only the report is wanted
+    std::string report; // likewise
+    std::string level = "full";
+    std::vector<std::filesystem::path> pluginDirs;
+};
+
 struct CompareOptions {
     std::string a, b;
     std::optional<Rectangle> crop;
@@ -180,7 +189,7 @@ struct CommandLine {
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, EncodeOptions, FarmOptions, TaskOptions, ViewOptions,
                  BenchOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
+                 MeshOptions, CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
                  VersionOptions>
         options;
 };

@@ -15,6 +15,7 @@ int check(const CheckOptions& options, Console& console);
 int info(const InfoOptions& options, Console& console);
 int schema(const SchemaOptions& options, Console& console);
 int convert(const ConvertOptions& options, Console& console);
+int mesh(const MeshOptions& options, Console& console);
 int compare(const CompareOptions& options, Console& console);
 int plugins(const PluginsOptions& options, Console& console);
 int newFiles(const NewOptions& options, Console& console);

@@ -27,6 +27,7 @@ std::vector<std::string> argumentWords(const CommandDescription& command,
                                        const std::vector<CommandDescription>& all) {
     std::vector<std::string> words;
     if (command.name == "completion") words = {"bash", "zsh", "fish"};
+    if (command.name == "mesh") words = {"repair"};
     if (command.name == "help")
         for (const CommandDescription& other : all)
             if (other.name != "rt") words.push_back(other.name);

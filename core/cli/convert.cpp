@@ -28,8 +28,7 @@ int convertOne(const std::string& path, const ConvertOptions& options,
     converters::InfOptions inf{.lenient = options.lenient,
                                .windowOrder = options.windowOrder,
                                .moviePath = options.movie,
-                               .outputFolder = {},
-                               .countFaces = {}};
+                               .outputFolder = {}};
     if (given && output != "-") inf.outputFolder = fs::absolute(output).parent_path().string();
     if (const auto root = converters::convertInf(path, inf, diagnostics))
         text = formats::writeYaml(*root);

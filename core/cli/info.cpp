@@ -2,11 +2,13 @@
 #include <core/cli/commands.hpp>
 #include <core/cli/exit_codes.hpp>
 #include <core/cli/load_scene.hpp>
+#include <core/cli/mesh_summary.hpp>
 #include <core/cli/output.hpp>
 #include <core/geometry/bounds.hpp>
 #include <core/octree/octree.hpp>
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
+#include <core/plugin_host/repair_file.hpp>
 #include <core/scene/full.hpp>
 #include <formats/yaml_writer.hpp>
 
@@ -197,6 +199,22 @@ Json asJson(const Facts& f) {
     return json;
 }
 
+/// `rt info MESH`: what an import has to repair.
+int infoOfMesh(const InfoOptions& options, plugin_host::Catalog& catalog, Console& console) {
+    if (options.full || !options.overrides.empty() || options.allowMissing)
+        throw UsageError(std::string(options.full           ? "--full"
+                                     : options.allowMissing ? "--allow-missing"
+                                                            : "--set") +
+                         " is for scenes, and " + scene::quoted(options.scene) + " is a mesh");
+    scene::Diagnostics diagnostics;
+    const auto repaired =
+        plugin_host::repairFile({.path = options.scene, .level = {}}, catalog, diagnostics);
+    if (repaired && !options.json) noteRepairs(options.scene, repaired->report, diagnostics);
+    console.report(diagnostics);
+    if (repaired) console.result(options.json ? repaired->report : meshSummary(repaired->report));
+    return diagnostics.exitCode();
+}
+
 } // namespace
 
 int info(const InfoOptions& options, Console& console) {
@@ -204,6 +222,8 @@ int info(const InfoOptions& options, Console& console) {
         throw UsageError("--full prints YAML and --json JSON: choose one");
     scene::Diagnostics diagnostics;
     plugin_host::Catalog catalog(plugin_host::searchPath(options.pluginDirs));
+    if (!plugin_host::loaderOf(options.scene, catalog).empty())
+        return infoOfMesh(options, catalog, console);
     const auto loaded = loadScene(options.scene, options, catalog, diagnostics);
     if (!loaded) return console.report(diagnostics), diagnostics.exitCode();
     if (options.full) {

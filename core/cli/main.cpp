@@ -28,6 +28,7 @@ struct Run {
     int operator()(const InfoOptions& o) const { return info(o, console); }
     int operator()(const SchemaOptions& o) const { return schema(o, console); }
     int operator()(const ConvertOptions& o) const { return convert(o, console); }
+    int operator()(const MeshOptions& o) const { return mesh(o, console); }
     int operator()(const CompareOptions& o) const { return compare(o, console); }
     int operator()(const PluginsOptions& o) const { return plugins(o, console); }
     int operator()(const NewOptions& o) const { return newFiles(o, console); }

@@ -53,8 +53,8 @@ std::vector<Malformed> malformed() {
         {{"a\033[31mb"}, "rt: error: there is no command 'a\\x1b[31mb'; see rt --help\n"},
         {{"--versoin"}, "rt: error: there is no option '--versoin'; did you mean '--version'?\n"},
         {{"help", "rendr"},
-         "rt help: error: must be render, encode, farm, task, view, check, info, schema, convert, "
-         "compare, plugins, "
+         "rt help: error: must be render, encode, farm, task, view, bench, check, info, schema, convert, "
+         "mesh, compare, plugins, "
          "new, "
          "explain, "
          "completion, "
@@ -72,6 +72,26 @@ std::vector<Malformed> malformed() {
         {{"check"}, "rt check: error: SCENE is missing; try: rt check scene.yaml\n"},
         {{"info"}, "rt info: error: SCENE is missing; try: rt info scene.yaml\n"},
         {{"convert"}, "rt convert: error: FILE is missing; try: rt convert Scene.inf\n"},
+        {{"bunny.ply"},
+         "rt: error: there is no command 'bunny.ply'; to look at a mesh: rt info bunny.ply\n"},
+        {{"mesh"}, "rt mesh: error: ACTION is missing; try: rt mesh repair in.obj -o out.obj\n"},
+        {{"mesh", "repair"},
+         "rt mesh: error: MESH is missing; try: rt mesh repair in.obj -o out.obj\n"},
+        {{"mesh", "in.obj", "-o", "out.obj"},
+         "rt mesh: error: MESH is missing; try: rt mesh repair in.obj -o out.obj\n"},
+        {{"mesh", "repiar", "in.obj", "-o", "out.obj"},
+         "rt mesh: error: must be repair (got 'repiar'); did you mean 'repair'?\n"},
+        {{"mesh", "repair", "in.obj"},
+         "rt mesh: error: --output or --report is missing; try: rt mesh repair in.obj -o "
+         "repaired.obj\n"},
+        {{"mesh", "repair", "in.obj", "-o", "-", "--report", "-"},
+         "rt mesh: error: --output and --report both want stdout; see rt mesh --help\n"},
+        {{"mesh", "repair", "in.obj", "-o", "a.obj", "--report", "a.obj"},
+         "rt mesh: error: --output and --report name the same file; see rt mesh --help\n"},
+        {{"info", "in.obj", "--full"},
+         "rt info: error: --full is for scenes, and 'in.obj' is a mesh; see rt info --help\n"},
+        {{"info", "in.obj", "--set", "a=1"},
+         "rt info: error: --set is for scenes, and 'in.obj' is a mesh; see rt info --help\n"},
         {{"compare"}, "rt compare: error: A is missing; try: rt compare a.png b.png\n"},
         {{"compare", "a.png"}, "rt compare: error: B is missing; try: rt compare a.png b.png\n"},
         {{"compare", "a", "b", "c"},

@@ -12,7 +12,7 @@ namespace {
 
 const std::vector<std::string> kCommands{
     "render",  "encode",  "farm",    "task", "view",    "bench",      "check",   "info", "schema",
-    "convert", "compare", "plugins", "new",  "explain", "completion", "version", "help"};
+    "convert", "mesh", "compare", "plugins", "new",  "explain", "completion", "version", "help"};
 
 class Help : public Cli {
 protected:
@@ -77,6 +77,11 @@ TEST_F(Help, EveryExampleRuns) {
     write("Scene.inf", kOldScene);
     write("keys.txt", "wait\n");
     write("Other.inf", kOldScene);
+    write("in.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write("in.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                    "y\nproperty float "
+                    "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 "
+                    "0\n1 0 0\n0 1 0\n3 0 1 2\n");
     std::filesystem::create_directories(folder_ / "new");
     std::filesystem::create_directories(folder_ / "plugins");
     std::filesystem::create_directories(folder_ / ".local/share/bash-completion/completions");

@@ -80,6 +80,7 @@ std::vector<Options::Case> Options::cases() {
         "rt: 1\nimage: {width: 64, height: 48}\ncamera: {position: [0, -5, 0], look_at: [0, 0, 0], "
         "field_of_view: 50deg}\nobjects:\n  - mesh: {name: gone, file: gone.obj}\n");
     write("old.inf", kOldScene);
+    write("dirty.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n");
     write("sloppy.inf", "window 48 64 9 9 9\n" + kOldScene);
     write("keys.txt", "wait\n");
     write("film.inf", "movie 10 24\n0 move 50 50 50 0 10\n");
@@ -518,6 +519,35 @@ std::vector<Options::Case> Options::cases() {
          },
          "schema --plugin-dir",
          "rt schema: error: --plugin-dir needs a value; see rt schema --help\n"},
+        // ---- mesh
+        {"mesh", "-o", "mesh repair dirty.obj -o mended.obj",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "mended.obj\n");
+             EXPECT_EQ(read("mended.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+         },
+         "mesh repair dirty.obj -o mended.ply",
+         "rt mesh: error: --output: the mesh is written as OBJ, so its name ends with .obj; see rt "
+         "mesh --help\n"},
+        {"mesh", "--report", "mesh repair dirty.obj --report r.json",
+         [this](const Outcome& o) {
+             EXPECT_EQ(o.out, "r.json\n");
+             const Json report = Json::parse(read("r.json"));
+             EXPECT_EQ(report["faces"].size(), 2u);
+             EXPECT_EQ(report["faces"][1]["action"], "dropped");
+         },
+         "mesh repair dirty.obj --report",
+         "rt mesh: error: --report needs a value; see rt mesh --help\n"},
+        {"mesh", "--repair", "mesh repair dirty.obj --repair orient -o mended.obj",
+         [this](const Outcome&) {
+             EXPECT_EQ(read("mended.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n");
+         },
+         "mesh repair dirty.obj --repair all -o mended.obj",
+         "rt mesh: error: --repair: must be full, orient or none (got 'all'); see rt mesh "
+         "--help\n"},
+        {"mesh", "--plugin-dir", "mesh repair dirty.obj --plugin-dir empty -o mended.obj",
+         [](const Outcome& o) { EXPECT_EQ(o.out, "mended.obj\n"); },
+         "mesh repair dirty.obj --plugin-dir",
+         "rt mesh: error: --plugin-dir needs a value; see rt mesh --help\n"},
         // ---- compare
         {"compare", "--crop", "compare a.pfm a2.pfm --crop 0,0,8,8",
          [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, "compare a.pfm a2.pfm --crop 0,0,8",

@@ -269,6 +269,106 @@ TEST_F(Info, OfAMissingSceneIsAnInputError) {
     EXPECT_EQ(outcome.err, "nosuch.yaml: error[E0401]: there is no such file\n");
 }
 
+const std::string kDirty =
+    "# two alike, one turned, one flat\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nl 1 2\n"
+    "f 1 3 2\nf 1 2 4\nf 1 3 4\nf 2 3 4\nf 2 1 3\nf 1 2 2\n";
+
+TEST_F(Info, OfAMeshSaysWhatHasToBeRepaired) {
+    write("dirty.obj", kDirty);
+    const Outcome outcome = rt("info dirty.obj");
+    EXPECT_EQ(outcome.exitCode, 0);
+    EXPECT_EQ(outcome.out, "mesh         dirty.obj\n"
+                           "faces        6: 3 kept, 1 flipped, 2 dropped\n"
+                           "dropped      1 duplicate, 1 with a repeated corner\n"
+                           "flipped      1 against its neighbours\n"
+                           "vertices     4 vertices\n"
+                           "components   1 component\n"
+                           "edges        closed\n"
+                           "bounds       [0,0,0] to [1,1,1]\n");
+    EXPECT_NE(outcome.err.find("dirty.obj: note: dirty.obj:6: 1 lines (l) are not drawn\n"),
+              std::string::npos)
+        << outcome.err;
+    const Json json = Json::parse(rt("info dirty.obj --json").out);
+    EXPECT_EQ(json["summary"]["dropped"], 2);
+    EXPECT_EQ(json["closed"], true);
+    EXPECT_FALSE(json.contains("faces"));
+    EXPECT_EQ(files(), Names{"dirty.obj"});
+}
+
+using MeshRepair = Cli;
+
+TEST_F(MeshRepair, WritesTheMeshAndWhatBecameOfEachFace) {
+    write("dirty.obj", kDirty);
+    const Outcome outcome = rt("mesh repair dirty.obj -o clean.obj --report r.json");
+    EXPECT_EQ(outcome.exitCode, 0);
+    EXPECT_EQ(outcome.out, "clean.obj\nr.json\n");
+    EXPECT_NE(outcome.err.find("faces        6: 3 kept, 1 flipped, 2 dropped\n"), std::string::npos)
+        << outcome.err;
+    std::vector<std::string> actions;
+    const Json report = Json::parse(read("r.json"));
+    for (const Json& face : report["faces"]) actions.push_back(face["action"]);
+    EXPECT_EQ(actions, (Names{"kept", "kept", "flipped", "kept", "dropped", "dropped"}));
+    EXPECT_EQ(rt("info clean.obj").out.substr(0, 52),
+              "mesh         clean.obj\nfaces        4: 4 kept\nvertic");
+    EXPECT_EQ(rt("mesh repair dirty.obj -o -").out, read("clean.obj"));
+    EXPECT_EQ(rt("-q mesh repair clean.obj -o again.obj").err, "");
+    EXPECT_EQ(read("again.obj"), read("clean.obj"));
+}
+
+TEST_F(MeshRepair, RefusesAndWritesNothing) {
+    write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    write("wrong.stl", "solid\n");
+    Outcome outcome = rt("mesh repair bad.obj -o out.obj --report r.json");
+    EXPECT_EQ(outcome.exitCode, 4);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find("error[E0420]: loader 'openmesh': bad.obj:2:5: "), std::string::npos)
+        << outcome.err;
+    outcome = rt("mesh repair bda.obj -o out.obj");
+    EXPECT_EQ(outcome.exitCode, 4);
+    EXPECT_EQ(outcome.err, "bda.obj: error[E0401]: cannot read 'bda.obj': there is no such file; "
+                           "did you mean 'bad.obj'?\n");
+    outcome = rt("mesh repair bad.obj -o nowhere/out.obj");
+    EXPECT_EQ(outcome.exitCode, 6);
+    EXPECT_EQ(rt("mesh repair wrong.stl -o out.obj").exitCode, 3);
+    EXPECT_EQ(files(), (Names{"bad.obj", "wrong.stl"}));
+}
+
+TEST_F(MeshRepair, SaysThatTheMaterialsStayBehind) {
+    write("in/a.mtl", "newmtl red\nKd 1 0 0\n");
+    write("in/a.obj", "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_NE(rt("mesh repair in/a.obj -o b.obj")
+                  .err.find("b.obj: warning: its material library, 'a.mtl', lies beside "
+                            "'in/a.obj': copy it to where the mesh goes\n"),
+              std::string::npos);
+    EXPECT_EQ(rt("mesh repair in/a.obj -o in/b.obj").err.find("warning"), std::string::npos);
+}
+
+using Solids = Cli;
+
+TEST_F(Solids, ThatAreNotClosedAreWarnedOfWhereTheSceneNamesThem) {
+    write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+    write("solid.yaml", kThreeSpheres + "  - mesh: {file: open.obj, kind: solid}\n"
+                                        "  - mesh: {kind: solid, vertices: [[0, 0, 0], [1, 0, 0], "
+                                        "[1, 1, 0], [0, 1, 0]], faces: [[0, 1, 2, 3]]}\n"
+                                        "  - mesh: {file: open.obj}\n");
+    for (const char* const command : {"check solid.yaml", "render solid.yaml -o a.pfm"}) {
+        const Outcome outcome = rt(command);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find(": warning: loader 'openmesh': open.obj: the solid is not "
+                                   "closed: it has 3 boundary edges\n"),
+                  std::string::npos)
+            << outcome.err;
+        EXPECT_NE(
+            outcome.err.find(
+                ": warning: shape 'mesh': the solid is not closed: it has 4 boundary edges\n"),
+            std::string::npos)
+            << outcome.err;
+        EXPECT_EQ(outcome.err.rfind("open.obj: the solid"), outcome.err.find("open.obj: the solid"))
+            << "the surface is no solid";
+        EXPECT_TRUE(outcome.err.starts_with("solid.yaml:")) << outcome.err;
+    }
+}
+
 using Schema = Cli;
 
 TEST_F(Schema, IsJsonWithEveryShapeAndTexture) {
