@@ -1,4 +1,7 @@
 // Polygons from a file, by the file's loader, or from lists in the scene itself.
+#include "../loaders/mesh_import.hpp"
+#include "../loaders/triangulate.hpp"
+
 #include <rt/plugin.hpp>
 
 #include <algorithm>
@@ -26,29 +29,18 @@ namespace {
 
 std::string faceName(std::size_t face) { return "faces[" + std::to_string(face) + "]"; }
 
-using Corners = rt::Mesh::Corners;
-
-/// The fan of triangles from one of the polygon's corners that has no triangle turned against the others, for the
-/// first such corner. Convex polygons have one at every corner, many concave ones at some.
-std::vector<Corners> fan(const std::vector<rt::Vector3>& positions,
-                         const std::vector<std::uint32_t>& polygon) {
-    // Newell: half the normal's length is the area, whatever the polygon's shape.
-    rt::Vector3 normal;
-    const std::size_t n = polygon.size();
-    for (std::size_t i = 0; i < n; ++i)
-        normal = normal + rt::cross(positions[polygon[i]], positions[polygon[(i + 1) % n]]);
-    if (normal == rt::Vector3{}) return {};
-    for (std::size_t first = 0; first < n; ++first) {
-        std::vector<Corners> triangles;
-        for (std::size_t i = 1; i + 1 < n; ++i) {
-            const Corners t{polygon[first], polygon[(first + i) % n], polygon[(first + i + 1) % n]};
-            const auto &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
-            if (!(rt::dot(rt::cross(b - a, c - a), normal) >= 0)) break;
-            triangles.push_back(t);
-        }
-        if (triangles.size() == n - 2) return triangles;
+/// Says it if the polygons of a solid leave edges open.
+void warnOfOpenEdges(const MeshShape& shape, rt::Geometry& out) {
+    rt::loaders::MeshFile polygons;
+    polygons.positions = shape.vertices;
+    for (const auto& face : shape.faces) {
+        for (const std::int64_t vertex : face)
+            polygons.cornerPosition.push_back(static_cast<std::uint32_t>(vertex));
+        polygons.faceStart.push_back(static_cast<std::uint32_t>(polygons.cornerPosition.size()));
     }
-    return {};
+    polygons.runs.emplace_back();
+    const auto summary = rt::loaders::repair(polygons, rt::loaders::Repair::none).summary;
+    if (summary.openEdges != 0) out.warn(rt::loaders::notClosed("", summary.openEdges));
 }
 
 void lower(const MeshShape& shape, rt::Geometry& out) {
@@ -64,6 +56,9 @@ void lower(const MeshShape& shape, rt::Geometry& out) {
     rt::Mesh mesh;
     mesh.kind = shape.kind;
     mesh.positions = shape.vertices;
+    rt::loaders::Triangulator triangulator;
+    std::vector<rt::loaders::Triangulator::Triangle> triangles;
+    std::vector<rt::Vector3> points;
     for (std::size_t i = 0; i < shape.faces.size(); ++i) {
         const auto& face = shape.faces[i];
         if (face.size() < 3)
@@ -81,15 +76,18 @@ void lower(const MeshShape& shape, rt::Geometry& out) {
                                                       std::to_string(vertex) + " twice");
             polygon.push_back(corner);
         }
-        const auto triangles = fan(mesh.positions, polygon);
-        if (triangles.empty())
-            throw rt::ParameterError(
-                "faces", faceName(i) + " cannot be cut into a fan of triangles; split it");
-        for (const Corners& triangle : triangles) {
-            mesh.triangles.push_back(triangle);
+        points.clear();
+        for (const std::uint32_t corner : polygon) points.push_back(mesh.positions[corner]);
+        if (rt::loaders::newellNormal(points) == rt::Vector3{})
+            throw rt::ParameterError("faces", faceName(i) + " has no area or crosses itself");
+        if (!triangulator.cut(points, triangles))
+            throw rt::ParameterError("faces", faceName(i) + " crosses itself");
+        for (const auto& [a, b, c] : triangles) {
+            mesh.triangles.push_back({polygon[a], polygon[b], polygon[c]});
             mesh.sourceFaces.push_back(static_cast<std::uint32_t>(i));
         }
     }
+    if (shape.kind == rt::Kind::solid) warnOfOpenEdges(shape, out);
     out.mesh(mesh);
 }
 

@@ -184,8 +184,8 @@ TEST(Lower, ShapesExplainWhatTheyCannotUse) {
          "scene.yaml:103: error[E0348]: shape 'mesh', faces: faces[0] names vertex 1 twice\n"},
         {"mesh", // a bow tie
          {{"vertices", kPyramid}, {"faces", IntegerLists{{{0, 2, 1, 3}}}}},
-         "scene.yaml:103: error[E0348]: shape 'mesh', faces: faces[0] cannot be cut into a fan of "
-         "triangles; split it\n"},
+         "scene.yaml:103: error[E0348]: shape 'mesh', faces: faces[0] has no area or crosses "
+         "itself\n"},
     };
     for (const Complaint& complaint : complaints) {
         Scene scene = shipped();
