@@ -39,7 +39,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string text(reinterpret_cast<const char*>(data) + 1, size - 1);
     converters::InfOptions options;
     options.lenient = lenient;
-    options.countFaces = [](const std::string&) { return std::optional<std::uint64_t>(12); };
 
     scene::Diagnostics diagnostics;
     if (!movie) {
@@ -51,6 +50,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         require(::mkstemp(path) >= 0, "no temporary file");
         return path;
     }();
+    static const std::string kMeshPath = [] { // twelve faces, which a movie file numbers
+        const std::string path = kMoviePath + std::string(".obj");
+        std::FILE* mesh = std::fopen(path.c_str(), "wb");
+        require(mesh, "no temporary file");
+        std::fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\n", mesh);
+        for (int face = 0; face < 12; ++face) std::fputs("f 1 2 3\n", mesh);
+        std::fclose(mesh);
+        return path;
+    }();
     std::FILE* file = std::fopen(kMoviePath, "wb");
     require(file && std::fwrite(text.data(), 1, text.size(), file) == text.size(),
             "the temporary file cannot be written");
@@ -59,7 +67,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string scene =
         "window 64 48\nscene 0 0 0 9 9 9\ncamera 8 6 6 1 1 1 0 1 0 0 0 1\ntexture a.bmp\nback 0\n"
         "sphere 1 2 3 4 1 1 1 1 1 1 0 0 0 0 0 0 0 0 0 1 1\n"
-        "obj box.obj box normal 1 2 3 4 1 1 1 1 1 1 0 0 0 0 0 0 0 0 0 1 1\n";
+        "obj " +
+        kMeshPath + " box normal 1 2 3 4 1 1 1 1 1 1 0 0 0 0 0 0 0 0 0 1 1\n";
     check(converters::convertInfText("scene.inf", scene, options, diagnostics), diagnostics);
     return 0;
 }
