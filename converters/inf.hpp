@@ -4,7 +4,6 @@
 #include <core/scene/node.hpp>
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,9 +16,6 @@ struct InfOptions {
     WindowOrder windowOrder = WindowOrder::automatic;
     std::string moviePath;    // overrides the scene's `movie`; relative to the current folder
     std::string outputFolder; // relative paths are re-based to it; empty: the scene's own folder
-    /// Faces of an OBJ as the original counts them (one per `f` line); nothing when the file cannot be read.
-    /// Empty: the converter reads the file itself.
-    std::function<std::optional<std::uint64_t>(const std::string& path)> countFaces;
 };
 
 /// The scene as one document, animation included, or nothing when `diagnostics` has gained an error: E0201 a movie

@@ -221,7 +221,6 @@ private:
     std::optional<std::uint64_t> countFaces(const Statement& statement) {
         const Location& place = statement.words[0].location;
         const FoundPath path = find(statement.words[0]);
-        if (options_.countFaces) return options_.countFaces(path.local);
         const auto faces = path.exists ? readObjFaces(path.local) : std::nullopt;
         if (!faces) return std::nullopt;
         if (faces->refusedLine) {
@@ -472,6 +471,7 @@ private:
         if (options_.windowOrder != WindowOrder::automatic)
             return options_.windowOrder == WindowOrder::heightWidth;
         const auto camera = effective_.find(Keyword::camera);
+        why = "this is how the original read them";
         if (camera == effective_.end()) return false; // reported
         const double screenWidth = camera->second->numbers[0].value,
                      screenHeight = camera->second->numbers[1].value;
@@ -679,6 +679,7 @@ private:
         append(image, "file", textNode(path.spelled, word.location));
         append(image, "encoding", keywordNode("linear", word.location));
         append(image, "filter", keywordNode("nearest", word.location));
+        append(image, "wrap", keywordNode("horizontal", word.location));
         Node texture = mapNode(true, word.location);
         append(texture, "image", std::move(image));
         return texture;

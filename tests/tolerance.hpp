@@ -18,6 +18,9 @@ inline constexpr double kSrgbBranchGap = 3e-8;
 /// Centres that the legacy program printed with four digits, computed in single precision.
 inline constexpr double kPrintedCenter = 1e-3;
 
+/// World units: planes nearer than this to a ray's start were passed over by the program that rt replaces.
+inline constexpr double kOriginalPlaneDistance = 1e-5;
+
 /// Poses against closed forms, as a share of the scene's size: the bar of the animation issue. The
 /// worst of tests/animation, 96 steps of four overlapping motions included, is below 1e-15.
 inline constexpr double kClosedForm = 1e-12;

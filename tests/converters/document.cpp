@@ -88,7 +88,7 @@ TEST(InfDocument, TheBackgroundKeepsItsOddSphere) {
               "{texture: sky, mapping: legacy_hemisphere, center: [50, 50, 0], radius: "
               "27.730849247724095}");
     EXPECT_EQ(flowText(converted.at("textures.sky")),
-              "{image: {file: sky.bmp, encoding: linear, filter: nearest}}");
+              "{image: {file: sky.bmp, encoding: linear, filter: nearest, wrap: horizontal}}");
 }
 
 TEST(InfDocument, BrightnessStaysANumberOfItsOwn) {

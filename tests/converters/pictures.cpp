@@ -4,6 +4,7 @@
 #include <core/trace/render.hpp>
 #include <formats/image_reader.hpp>
 #include <tests/converters/legacy_stage.hpp>
+#include <tests/tolerance.hpp>
 
 #include <gtest/gtest.h>
 
@@ -72,22 +73,44 @@ Framebuffer quantised(Framebuffer frame) {
     return frame;
 }
 
-/// Blackens, in a white or finished mask, the single pixels of the original's picture that stand out from all four
-/// neighbours: rays that left a surface without an offset, in single precision, and met it again. Returns their number.
-std::size_t hideSelfHits(const Framebuffer& original, Framebuffer& mask) {
-    constexpr double kStandsOut = 0.1;
+/// The original computed in single precision, left surfaces without an offset and only passed over planes nearer than 1e-5: where
+/// rounding put a hit farther than that behind its own face, the face shadowed it, and mirrored it into itself. Replayed in
+/// single precision in three orders of operations, 0, 3 and 7 of the 3572 pixels that show `ballN` of s3_obj come out so; which ones
+/// depends on the order, so they cannot be foretold.
+///
+/// Blackens, in `mask`, pixels that differ where (a) the renderer's first hit is a face so far out that single precision may
+/// err by more than that, and (b) the original shows no more than this tells: the light of that hit, seen in nothing but the face's
+/// mirror, once or more often. Returns their number.
+std::size_t hideSelfHits(const LegacyStage& stage, const Framebuffer& ours,
+                         const Framebuffer& original, Framebuffer& mask) {
+    constexpr double kDiffers = 8.0 / 255, kRounding = 1.0 / 255;
+    constexpr double kHitRoundings = 6; // of t and of each component of origin + t direction
+    constexpr double kSinglePrecision = 0x1p-24;
     std::size_t hidden = 0;
-    const auto apart = [](const numeric::LinearRgb& a, const numeric::LinearRgb& b) {
-        return std::max({std::fabs(a.r - b.r), std::fabs(a.g - b.g), std::fabs(a.b - b.b)}) >
-               kStandsOut;
-    };
-    for (std::uint32_t y = 1; y + 1 < mask.height; ++y) {
-        for (std::uint32_t x = 1; x + 1 < mask.width; ++x) {
-            const auto& pixel = original.at(x, y);
-            const bool alone =
-                apart(pixel, original.at(x - 1, y)) && apart(pixel, original.at(x + 1, y)) &&
-                apart(pixel, original.at(x, y - 1)) && apart(pixel, original.at(x, y + 1));
-            if (!alone || mask.at(x, y).isBlack()) continue;
+    for (std::uint32_t y = 0; y < mask.height; ++y) {
+        for (std::uint32_t x = 0; x < mask.width; ++x) {
+            const auto &a = ours.at(x, y), &b = original.at(x, y);
+            if (mask.at(x, y).isBlack() || std::max({std::fabs(a.r - b.r), std::fabs(a.g - b.g),
+                                                     std::fabs(a.b - b.b)}) <= kDiffers)
+                continue;
+            const trace::RayTree tree =
+                trace::tracePixel(stage.octree, stage.world, stage.description, x, y);
+            const trace::RayTree::Node& first = tree.nodes.front();
+            if (!first.hit ||
+                stage.world.primitives.segmentOf(first.primitive).kind != geometry::Kind::triangle)
+                continue;
+            const double reach = numeric::length(first.origin) + first.t;
+            if (kHitRoundings * kSinglePrecision * reach <= tolerance::kOriginalPlaneDistance)
+                continue;
+            const auto explains = [&](double local, double mirrored, double seen) {
+                return seen <= local * mirrored / (1 - mirrored) + kRounding;
+            };
+            const material::Material& surface =
+                stage.world.materials[static_cast<std::size_t>(first.material)];
+            if (!explains(first.local.r, first.color.r * surface.specular.r, b.r) ||
+                !explains(first.local.g, first.color.g * surface.specular.g, b.g) ||
+                !explains(first.local.b, first.color.b * surface.specular.b, b.b))
+                continue;
             mask.at(x, y) = {};
             ++hidden;
         }
@@ -102,7 +125,7 @@ struct Bar {
     bool lenient = false;
     double mayHide =
         0; // largest share of pixels whose rays meet clear objects; 0: all pixels count
-    std::size_t selfHits = 0; // single pixels that the original got wrong in single precision
+    std::size_t selfHits = 0; // pixels that met their own face in the original; see hideSelfHits
 };
 
 void PrintTo(const Bar& bar, std::ostream* out) { *out << bar.scene; }
@@ -130,7 +153,7 @@ TEST_P(LegacyPictures, LookAsTheyDid) {
         options.mask = &mask;
     }
     if (bar.selfHits > 0) {
-        EXPECT_LE(hideSelfHits(reference->frame, mask), bar.selfHits);
+        EXPECT_EQ(hideSelfHits(*stage, ours, reference->frame, mask), bar.selfHits);
     }
     const image::Difference difference = image::difference(ours, reference->frame, options);
     const double hidden =
@@ -148,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
                         true}, // an unknown word
                     Bar{"cases/chk_bg.inf", "reference/chk_bg.png", 50},
                     Bar{"cases/s1_spheres.inf", "reference/flat_s1_spheres.png", 50, false, 0.25},
-                    Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 13},
+                    Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 5},
                     Bar{"cases/s4_aa.inf", "reference/s4_aa.png", 50, false, 0.25},
                     Bar{"cases/s4_smooth.inf", "reference/s4_smooth.png", 50, false, 0.25}),
     [](const auto& tested) {
