@@ -189,8 +189,8 @@ struct CommandLine {
     std::string command; // "render"; empty: none
     std::variant<HelpText, RenderOptions, EncodeOptions, FarmOptions, TaskOptions, ViewOptions,
                  BenchOptions, CheckOptions, InfoOptions, SchemaOptions, ConvertOptions,
-                 MeshOptions, CompareOptions, PluginsOptions, NewOptions, ExplainOptions, CompletionOptions,
-                 VersionOptions>
+                 MeshOptions, CompareOptions, PluginsOptions, NewOptions, ExplainOptions,
+                 CompletionOptions, VersionOptions>
         options;
 };
 

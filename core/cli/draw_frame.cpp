@@ -11,9 +11,11 @@ namespace rt::cli {
 std::optional<world::World> FrameDrawer::lower(const scene::Description& description,
                                                scene::Diagnostics& diagnostics,
                                                std::set<std::string>* files) const {
-    return plugin_host::lower(
-        description, catalog_, diagnostics,
-        {.allowMissing = options_.allowMissing, .files = files, .limits = options_.limits});
+    return plugin_host::lower(description, catalog_, diagnostics,
+                              {.allowMissing = options_.allowMissing,
+                               .files = files,
+                               .limits = options_.limits,
+                               .threads = options_.threads});
 }
 
 bool FrameDrawer::load(scene::Diagnostics& diagnostics) {

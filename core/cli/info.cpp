@@ -206,6 +206,7 @@ int infoOfMesh(const InfoOptions& options, plugin_host::Catalog& catalog, Consol
                                      : options.allowMissing ? "--allow-missing"
                                                             : "--set") +
                          " is for scenes, and " + scene::quoted(options.scene) + " is a mesh");
+    confine(options.scene, options);
     scene::Diagnostics diagnostics;
     const auto repaired =
         plugin_host::repairFile({.path = options.scene, .level = {}}, catalog, diagnostics);

@@ -8,9 +8,6 @@
 
 namespace rt::cli {
 
-namespace {
-
-/// What the options say of files and memory holds from before the first byte is read.
 void confine(const std::string& path, const SceneOptions& options) {
     enforceMemoryLimit(options.limits);
     if (!options.sandbox || scene::readingIsConfined()) return;
@@ -18,8 +15,6 @@ void confine(const std::string& path, const SceneOptions& options) {
     folders.push_back(std::filesystem::path(path).parent_path().string());
     scene::confineReading(folders);
 }
-
-} // namespace
 
 std::optional<LoadedScene> loadScene(const std::string& path, const SceneOptions& options,
                                      plugin_host::Catalog& catalog, scene::Diagnostics& diagnostics,

@@ -14,6 +14,9 @@ struct LoadedScene {
     scene::Description description;
 };
 
+/// What the options say of files and memory holds from here on: call it before the first byte of `path` is read.
+void confine(const std::string& path, const SceneOptions& options);
+
 /// Nothing when `diagnostics` has gained an error. `alsoSet` acts after the options' own overrides.
 std::optional<LoadedScene> loadScene(const std::string& path, const SceneOptions& options,
                                      plugin_host::Catalog& catalog, scene::Diagnostics& diagnostics,

@@ -177,7 +177,9 @@ int render(const RenderOptions& options, Console& console) {
     phases.begin("load");
     const auto lower = [&](const scene::Description& lowered, scene::Diagnostics& problems) {
         return plugin_host::lower(lowered, catalog, problems,
-                                  {.allowMissing = options.allowMissing, .limits = options.limits});
+                                  {.allowMissing = options.allowMissing,
+                                   .limits = options.limits,
+                                   .threads = options.threads});
     };
     auto world = lower(loaded->description, diagnostics);
     if (!world) return finish();

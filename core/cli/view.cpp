@@ -140,9 +140,10 @@ std::shared_ptr<const view::Stage> loadStage(const ViewOptions& options,
         std::make_unique<plugin_host::Catalog>(plugin_host::searchPath(options.pluginDirs));
     auto loaded = loadScene(options.scene, options, *fresh, diagnostics);
     if (!loaded) return nullptr;
-    auto world =
-        plugin_host::lower(loaded->description, *fresh, diagnostics,
-                           {.allowMissing = options.allowMissing, .limits = options.limits});
+    auto world = plugin_host::lower(loaded->description, *fresh, diagnostics,
+                                    {.allowMissing = options.allowMissing,
+                                     .limits = options.limits,
+                                     .threads = options.threads});
     if (!world) return nullptr;
     catalog = std::move(fresh);
     return staged(std::move(loaded->description), std::move(*world), options.threads);

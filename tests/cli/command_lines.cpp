@@ -53,7 +53,8 @@ std::vector<Malformed> malformed() {
         {{"a\033[31mb"}, "rt: error: there is no command 'a\\x1b[31mb'; see rt --help\n"},
         {{"--versoin"}, "rt: error: there is no option '--versoin'; did you mean '--version'?\n"},
         {{"help", "rendr"},
-         "rt help: error: must be render, encode, farm, task, view, bench, check, info, schema, convert, "
+         "rt help: error: must be render, encode, farm, task, view, bench, check, info, schema, "
+         "convert, "
          "mesh, compare, plugins, "
          "new, "
          "explain, "

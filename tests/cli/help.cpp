@@ -11,8 +11,8 @@ namespace rt::cli_tests {
 namespace {
 
 const std::vector<std::string> kCommands{
-    "render",  "encode",  "farm",    "task", "view",    "bench",      "check",   "info", "schema",
-    "convert", "mesh", "compare", "plugins", "new",  "explain", "completion", "version", "help"};
+    "render",  "encode", "farm",    "task",    "view", "bench",   "check",      "info",    "schema",
+    "convert", "mesh",   "compare", "plugins", "new",  "explain", "completion", "version", "help"};
 
 class Help : public Cli {
 protected:
