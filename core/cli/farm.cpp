@@ -365,11 +365,6 @@ private:
 
 } // namespace
 
-const std::vector<std::string>& engineNames() {
-    static const std::vector<std::string> names{"local", "slurm", "print"};
-    return names;
-}
-
 int farm(const FarmOptions& options, Console& console) {
     const std::vector<std::string> actions{"submit", "status", "resume", "cancel", "finish"};
     if (std::ranges::find(actions, options.action) == actions.end())

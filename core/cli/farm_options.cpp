@@ -7,6 +7,11 @@ constexpr std::uint32_t kMostTasks = 1'000'000, kMostProcesses = 1024, kMostSide
 
 } // namespace
 
+const std::vector<std::string>& engineNames() {
+    static const std::vector<std::string> names{"local", "slurm", "print"};
+    return names;
+}
+
 void addFarmOptions(OptionRows& rows, FarmOptions& options) {
     rows.argument("action", "ACTION", "submit, status, resume, cancel or finish.", options.action);
     rows.argument("what", "WHAT", "The scene to submit, or the directory of a job.",
