@@ -677,10 +677,11 @@ void Options::addSandboxAndLimits(std::vector<Case>& rows) {
         "field_of_view: 50deg}\ntextures: {t: {image: {file: ../t.ppm}}}\nbackground: {texture: "
         "t}\nobjects:\n  - sphere: {radius: 1}\n");
     write("t.ppm", "P6\n2 2\n255\nabcdefghijkl");
-    for (const char* const name : {"render", "view", "check", "info"}) {
+    for (const char* const name : {"render", "view", "check", "info", "bench"}) {
         const std::string command = name, line = command + " in/limits.yaml" +
                                                  (command == "view"     ? " --script keys.txt"
                                                   : command == "render" ? " -o a.pfm"
+                                                  : command == "bench"  ? " -q --rounds 1 -s 8x6"
                                                                         : "");
         const std::string error = "rt " + command + ": error: ",
                           see = "; see rt " + command + " --help\n";
@@ -697,7 +698,9 @@ void Options::addSandboxAndLimits(std::vector<Case>& rows) {
                  error + limit.name + ": " + limit.must + "'" + limit.zero + "')" + see});
         rows.push_back(
             {command, "--sandbox",
-             command + " scene.yaml --sandbox" + (command == "view" ? " --script keys.txt" : ""),
+             command + " scene.yaml --sandbox" + (command == "view"    ? " --script keys.txt"
+                                                  : command == "bench" ? " -q --rounds 1 -s 8x6"
+                                                                       : ""),
              [this, line](const Outcome& o) {
                  EXPECT_EQ(o.err, "");
                  EXPECT_EQ(rt(line + " --sandbox").exitCode, 4);

@@ -325,7 +325,7 @@ TEST_F(MeshRepair, RefusesAndWritesNothing) {
         << outcome.err;
     outcome = rt("mesh repair bda.obj -o out.obj");
     EXPECT_EQ(outcome.exitCode, 4);
-    EXPECT_EQ(outcome.err, "bda.obj: error[E0401]: cannot read 'bda.obj': there is no such file; "
+    EXPECT_EQ(outcome.err, "bda.obj: error[E0401]: 'bda.obj': there is no such file; "
                            "did you mean 'bad.obj'?\n");
     outcome = rt("mesh repair bad.obj -o nowhere/out.obj");
     EXPECT_EQ(outcome.exitCode, 6);

@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
                         true}, // an unknown word
                     Bar{"cases/chk_bg.inf", "reference/chk_bg.png", 50},
                     Bar{"cases/s1_spheres.inf", "reference/flat_s1_spheres.png", 50, false, 0.25},
-                    Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 5},
+                    Bar{"cases/s3_obj.inf", "reference/flat_s3_obj.png", 50, false, 0.35, 4},
                     Bar{"cases/s4_aa.inf", "reference/s4_aa.png", 50, false, 0.25},
                     Bar{"cases/s4_smooth.inf", "reference/s4_smooth.png", 50, false, 0.25}),
     [](const auto& tested) {

@@ -112,7 +112,7 @@ TEST(Check, SaysWhyAModuleIsRefused) {
     Catalog catalog({kModules / "major_2"});
     EXPECT_THAT(checkModule(catalog, "dot").faults,
                 ElementsAre((kModules / "major_2/dot.rtplugin.so").string() +
-                            " was refused: it was built for plugin ABI 2.0 and this rt speaks 1.1; "
+                            " was refused: it was built for plugin ABI 2.1 and this rt speaks 1.1; "
                             "rebuild it against this rt."));
 }
 

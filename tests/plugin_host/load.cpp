@@ -55,7 +55,7 @@ TEST(Load, OpensWhatTheOtherCompilerBuilt) {
 
 TEST(Load, RefusesAnotherMajor) {
     EXPECT_EQ(whyRefused("major_2"),
-              "it was built for plugin ABI 2.0 and this rt speaks 1.1; rebuild it against this rt");
+              "it was built for plugin ABI 2.1 and this rt speaks 1.1; rebuild it against this rt");
 }
 
 TEST(Load, RefusesANewerMinor) {
