@@ -14,7 +14,7 @@ trap 'stop_slurm; cd /; rm -rf "$work"' EXIT
 cd "$work"
 start_slurm || {
     echo "Slurm does not start here"
-    tail -5 "$slurm"/*.log
+    tail -n 5 "$slurm"/*.log || true
     exit 77
 }
 
