@@ -13,6 +13,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace rt::formats {
@@ -25,13 +26,18 @@ constexpr scene::Code kNoManifest{406}, kWriteFailed{605}, kInUse{608}, kHasFram
     kOtherSettings{610};
 constexpr std::string_view kMagic = "rt-frames 1\n";
 
-std::optional<std::string> readAll(const std::string& path) {
+/// Of a regular file; nothing else is read, nor a file of another size than `size`.
+std::optional<std::string> readAll(const std::string& path,
+                                   std::optional<std::uint64_t> size = {}) {
     const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) return {};
+    struct ::stat facts {};
+    const bool wanted = ::fstat(file, &facts) == 0 && S_ISREG(facts.st_mode) &&
+                        size.value_or(facts.st_size) == static_cast<std::uint64_t>(facts.st_size);
     std::string text;
     char buffer[1 << 16];
-    ssize_t n;
-    while ((n = ::read(file, buffer, sizeof buffer)) > 0 || (n < 0 && errno == EINTR))
+    ssize_t n = wanted ? 0 : -1;
+    while (wanted && ((n = ::read(file, buffer, sizeof buffer)) > 0 || (n < 0 && errno == EINTR)))
         if (n > 0) text.append(buffer, static_cast<std::size_t>(n));
     ::close(file);
     return n == 0 ? std::optional(std::move(text)) : std::nullopt;
@@ -72,6 +78,12 @@ std::vector<std::string_view> split(std::string_view line) {
 template <class Number> bool readNumber(std::string_view word, Number& number) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     return error == std::errc() && end == word.data() + word.size();
+}
+
+/// Does `file` name this frame, within the folder? A manifest may come from somebody else.
+bool isFileOf(FramePlace place, std::uint32_t frame, std::string_view file) {
+    place.after.clear();
+    return file.starts_with(place.fileOf(frame)) && file.find('/') == std::string_view::npos;
 }
 
 std::string lockOf(const FramePlace& place) {
@@ -149,7 +161,7 @@ bool FrameStore::parse(std::string_view manifest) {
         if (w.size() == 3 && w[0] == "set")
             settings_.emplace_back(w[1], w[2]);
         else if (w.size() == 5 && w[0] == "frame" && readNumber(w[1], frame) &&
-                 readNumber(w[3], size))
+                 isFileOf(place_, frame, w[2]) && readNumber(w[3], size))
             clean &=
                 entries_.insert_or_assign(frame, Entry{std::string(w[2]), std::string(w[4]), size})
                     .second;
@@ -245,9 +257,8 @@ std::vector<std::uint32_t> FrameStore::listed() const {
 std::optional<std::vector<std::byte>> FrameStore::load(std::uint32_t frame) const {
     const auto found = entries_.find(frame);
     if (found == entries_.end()) return {};
-    const auto text = readAll(place_.pathOf(found->second.file));
-    if (!text || text->size() != found->second.size || checksum(*text) != found->second.checksum)
-        return {};
+    const auto text = readAll(place_.pathOf(found->second.file), found->second.size);
+    if (!text || checksum(*text) != found->second.checksum) return {};
     const auto* first = reinterpret_cast<const std::byte*>(text->data());
     return std::vector(first, first + text->size());
 }

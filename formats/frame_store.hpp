@@ -3,6 +3,7 @@
 //
 // Lines of the manifest are words between tabs, the last being the checksum of those before it, so that a torn line is
 // recognised: `set FIELD VALUE` for what all frames depend on, then `frame NUMBER FILE SIZE CHECKSUM` as they are done.
+// Lines that name anything but their frame's file in this folder are no lines.
 #pragma once
 #include <core/scene/diagnostic.hpp>
 #include <formats/frame_place.hpp>
@@ -65,7 +66,7 @@ private:
     explicit FrameStore(FramePlace place) : place_(std::move(place)) {}
     static std::string lineOf(std::uint32_t frame, const Entry& entry);
     std::string manifest() const;
-    /// Takes what is whole; false when a line is torn, or said twice.
+    /// Takes what is whole; false when a line is torn, foreign, or said twice.
     bool parse(std::string_view manifest);
 
     FramePlace place_;

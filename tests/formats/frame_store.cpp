@@ -1,5 +1,7 @@
 // Frames and their manifest: names, torn lines, foreign bytes.
 #include <formats/frame_store.hpp>
+
+#include <formats/checksum.hpp>
 #include <tests/formats/temporary_folder.hpp>
 
 #include <gtest/gtest.h>
@@ -93,6 +95,30 @@ TEST_F(Frames, LeftoversOfAKilledProcessAreSweptAndOthersFilesAreNot) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "a.frames/.manifest.4711.tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder_ / "a.frames/.frame_x.tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder_ / "a.frames/mine.tmp"));
+}
+
+TEST_F(Frames, AManifestNamesOnlyFramesOfItsFolder) {
+    open(FrameStore::Mode::fresh)->commit(0, bytesOf("x"));
+    const std::filesystem::path manifest = folder_ / "a.frames/manifest";
+    std::ofstream(folder_ / "outside") << "x";
+    for (const std::string name : {"../outside", "manifest", "frame_0001/../../outside", ""}) {
+        const std::string line = "frame\t1\t" + name + "\t1\t" + checksum(std::string_view("x"));
+        std::ofstream(manifest, std::ios::app) << line << '\t' << checksum(line) << '\n';
+    }
+    EXPECT_EQ(FrameStore::read(place_, diagnostics_)->listed(), std::vector<std::uint32_t>{0});
+    EXPECT_TRUE(open(FrameStore::Mode::overwrite));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "outside"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.frames/frame_0000.png"));
+}
+
+TEST_F(Frames, AreRegularFiles) {
+    open(FrameStore::Mode::fresh)->commit(0, bytesOf("x"));
+    std::filesystem::remove(folder_ / "a.frames/frame_0000.png");
+    std::filesystem::create_symlink("/dev/zero", folder_ / "a.frames/frame_0000.png");
+    EXPECT_FALSE(FrameStore::read(place_, diagnostics_)->isDone(0));
+    std::filesystem::remove(folder_ / "a.frames/manifest");
+    std::filesystem::create_symlink("/dev/zero", folder_ / "a.frames/manifest");
+    EXPECT_FALSE(FrameStore::read(place_, diagnostics_));
 }
 
 TEST_F(Frames, AreInUseByOneProcess) {
