@@ -247,6 +247,13 @@ void prefetchSurfaces(const Primitives& primitives, std::span<const Hit> hits) {
     });
 }
 
+double errorBoundWithin(const Box3d& box) {
+    // Of the bounds above a parallelogram's is the largest. With m for the largest coordinate its origin is m at most
+    // and its edges are 2 m: γ5·√3·5 m + γ6·4 m.
+    return gamma(70) *
+           numeric::bits::larger(maxComponent(abs(box.min)), maxComponent(abs(box.max)));
+}
+
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit) {
     const Segment& segment = primitives.segmentOf(hit.id);
     const auto offset =

@@ -24,6 +24,9 @@ struct Surface {
 /// The point that `hit`, an answer to `ray`, stands for.
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit);
 
+/// Bound on the error of any triangle, sphere or parallelogram within `box`.
+double errorBoundWithin(const Box3d& box);
+
 /// Triangle: its uvs, else the weights of corners 1 and 2; sphere: longitude and latitude about z, from
 /// 0 to 1, computed here for those who want them; parallelogram: along its edges.
 Vec2 uvOf(const Surface& surface);

@@ -300,14 +300,14 @@ private:
 
     /// As trace::lowestOfTied, on the faces that the tracer found to tie.
     Hit settled(const Ray& ray, const Hit& hit) const {
-        if (!kRobust || stage_.ties.empty() || hit.primitive == kNone ||
-            !stage_.ties[primitives_[hit.primitive].id])
+        if (!kRobust || stage_.ties.none() || hit.primitive == kNone ||
+            !stage_.ties.isHigher[primitives_[hit.primitive].id])
             return hit;
         const P point = pointOf(ray, hit);
         const Real cosine = magnitude(dot(ray.direction, point.geometric));
         if (cosine == 0) return hit;
         Ray upTo = ray;
-        upTo.tMax = std::min(ray.tMax, hit.t + 4 * point.error / cosine);
+        upTo.tMax = std::min(ray.tMax, hit.t + errorOfBoth(point) / cosine);
         const Shear s = shearOf(ray.direction);
         Hit lowest = hit;
         boxes_.visit(ray.origin, ray.direction, upTo.tMax, [&](std::uint32_t index, Real&) {
@@ -333,6 +333,14 @@ private:
     // ---- surfaces ------------------------------------------------------------------------------
 
     static Real gamma(int n) { return static_cast<Real>(n * dataRoundoffOf<Real>()); }
+
+    /// Of a point and of what lies on its primitive.
+    Real errorOfBoth(const P& point) const {
+        const double beside = stage_.ties.errorBesideOf(geometry::PrimitiveId{point.primitive->id});
+        return point.error +
+               std::max(point.error, static_cast<Real>(beside * dataRoundoffOf<Real>() /
+                                                       numeric::kUnitRoundoff));
+    }
 
     /// As geometry::surfaceAt.
     P pointOf(const Ray& ray, const Hit& hit) const {
@@ -406,7 +414,8 @@ private:
         ray.direction = direction;
         if constexpr (kRobust) {
             const bool outward = dot(direction, point.geometric) >= 0;
-            ray.origin = ray.origin + point.geometric * (outward ? point.error : -point.error) * 2;
+            const Real error = errorOfBoth(point);
+            ray.origin = ray.origin + point.geometric * (outward ? error : -error);
             ray.exclude = static_cast<std::uint32_t>(point.primitive - primitives_.data());
         }
         return ray;
@@ -562,11 +571,11 @@ private:
         const Real cosine = magnitude(dot(ray.direction, point.geometric));
         if (cosine == 0) return contact;
         Ray upTo = ray;
-        upTo.tMax = hit.t + 4 * point.error / cosine;
+        upTo.tMax = hit.t + 2 * errorOfBoth(point) / cosine;
         std::vector<std::uint32_t> met;
         crossings(upTo, [&](std::uint32_t index, Real t) {
             if (primitives_[index].object != point.primitive->object &&
-                magnitude(t - hit.t) * cosine <= 4 * point.error)
+                magnitude(t - hit.t) * cosine <= 2 * errorOfBoth(point))
                 met.push_back(index);
         });
         std::sort(met.begin(), met.end());

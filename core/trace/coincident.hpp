@@ -19,7 +19,7 @@ struct Coincident {
     std::vector<geometry::ObjectId> enteredSolids, leftSolids; // those with an inside
 };
 
-/// Everything but the hit's own object. `hit` and `surface` answer `ray`.
+/// Everything but the hit's own object. `hit` and `surface` answer `ray`; the surface's error includes that of what it lies on.
 void findCoincident(const Stage& stage, const geometry::Ray& ray, const geometry::Hit& hit,
                     const geometry::Surface& surface, std::vector<geometry::Crossing>& scratch,
                     Coincident& found, octree::Visits* visits);

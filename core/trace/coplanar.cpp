@@ -40,12 +40,15 @@ struct Face {
     Vec3 normal;       // unit
     Box3d box;
     std::uint32_t id, object;
-    int axis;             // the largest component of the normal
+    float error; // bound of its segment: the same for all faces of it, so that few pairs have news
+    int axis;    // the largest component of the normal
     double height, bound; // where the plane meets a line along that axis; how sure that is
 };
 
-Face faceOf(const Primitives& primitives, const Segment& segment, std::uint32_t offset) {
+Face faceOf(const Primitives& primitives, const Segment& segment, const Box3d& segmentBox,
+            std::uint32_t offset) {
     Face face{};
+    face.error = numeric::roundUp(geometry::errorBoundWithin(segmentBox));
     face.id = static_cast<std::uint32_t>(segment.first) + offset;
     face.object = static_cast<std::uint32_t>(segment.object);
     const std::uint32_t index = segment.index + offset;
@@ -112,7 +115,7 @@ bool coplanar(const Face& a, const Face& b) {
 
 } // namespace
 
-std::vector<bool> primitivesThatTie(const Primitives& primitives) {
+Ties tiesOf(const Primitives& primitives) {
     // Objects whose boxes overlap those of others; of them, the faces within such a box.
     struct Extent {
         const Segment* segment;
@@ -143,7 +146,7 @@ std::vector<bool> primitivesThatTie(const Primitives& primitives) {
     Box3d all;
     for (std::size_t i = 0; i < extents.size(); ++i)
         for (std::uint32_t k = 0; !others[i].empty() && k < extents[i].segment->count; ++k) {
-            const Face face = faceOf(primitives, *extents[i].segment, k);
+            const Face face = faceOf(primitives, *extents[i].segment, extents[i].box, k);
             if (face.normal == Vec3(0.0)) continue;
             if (std::none_of(others[i].begin(), others[i].end(),
                              [&](const Extent* e) { return overlap(e->box, face.box); }))
@@ -157,7 +160,8 @@ std::vector<bool> primitivesThatTie(const Primitives& primitives) {
     std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
         return a.axis != b.axis ? a.axis < b.axis : a.height < b.height;
     });
-    std::vector<bool> ties(primitives.count(), false);
+    Ties ties{std::vector<bool>(primitives.count(), false),
+              std::vector<float>(primitives.count(), 0)};
     bool any = false;
     for (auto first = faces.begin(), last = first; first != faces.end(); first = last) {
         while (++last != faces.end() && last->axis == first->axis &&
@@ -170,23 +174,29 @@ std::vector<bool> primitivesThatTie(const Primitives& primitives) {
         });
         for (auto a = first; a != last; ++a)
             for (auto b = a + 1; b != last && b->box.min[along] <= a->box.max[along]; ++b) {
+                if (a->object == b->object) continue;
                 const Face& higher = a->id > b->id ? *a : *b;
-                if (a->object == b->object || ties[higher.id] || !overlap(a->box, b->box)) continue;
-                if (!coplanar(*a, *b) || !overlapInPlane(*a, *b)) continue;
-                ties[higher.id] = any = true;
+                float &besideA = ties.errorBeside[a->id], &besideB = ties.errorBeside[b->id];
+                if (ties.isHigher[higher.id] && besideA >= b->error && besideB >= a->error)
+                    continue;
+                if (!overlap(a->box, b->box) || !coplanar(*a, *b) || !overlapInPlane(*a, *b))
+                    continue;
+                ties.isHigher[higher.id] = any = true;
+                besideA = std::max(besideA, b->error), besideB = std::max(besideB, a->error);
             }
     }
-    return any ? ties : std::vector<bool>{};
+    return any ? ties : Ties{};
 }
 
 geometry::Hit lowestOfTied(const octree::Octree& octree, const Primitives& primitives,
-                           const geometry::Ray& ray, const geometry::Hit& hit,
+                           const Ties& ties, const geometry::Ray& ray, const geometry::Hit& hit,
                            std::vector<geometry::Crossing>& scratch, octree::Visits* visits) {
     const geometry::Surface surface = geometry::surfaceAt(primitives, ray, hit);
     const double cosine = std::fabs(numeric::dot(ray.direction, surface.geometricNormal));
     if (cosine == 0) return hit;
     geometry::Ray upTo = ray;
-    upTo.tMax = std::min(ray.tMax, numeric::nextUp(hit.t + 4 * surface.error / cosine));
+    const double behind = surface.error + ties.errorBesideOf(hit.id);
+    upTo.tMax = std::min(ray.tMax, numeric::nextUp(hit.t + behind / cosine));
     static const std::vector<bool> nothingIsOpaque;
     scratch.clear();
     octree.crossings(upTo, nothingIsOpaque, scratch, visits);

@@ -14,11 +14,9 @@ using geometry::Segment;
 using numeric::Box3d;
 
 Box3d boundsWithSlack(const Primitives& primitives, const Segment& segment) {
-    Box3d box = geometry::boundsOf(primitives, segment);
-    // Surfaces coincide when they are within each other's error bounds: γ32 of their coordinates.
-    const double slack =
-        numeric::gamma(32) * std::max(numeric::maxComponent(numeric::abs(box.min)),
-                                      numeric::maxComponent(numeric::abs(box.max)));
+    const Box3d box = geometry::boundsOf(primitives, segment);
+    // Surfaces coincide when they are within each other's error bounds.
+    const double slack = geometry::errorBoundWithin(box);
     return {box.min - slack, box.max + slack};
 }
 
@@ -89,7 +87,7 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
     transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),
                             [&](const Segment& s) { return segmentTransmits(world, s); });
     if (transmits) mayCoincide = objectsThatMayCoincide(world);
-    ties = primitivesThatTie(world.primitives);
+    ties = tiesOf(world.primitives);
 }
 
 } // namespace rt::trace

@@ -26,10 +26,11 @@ struct Stage {
     /// Of hits that answer `rays`, those on faces in one plane become the lowest of them.
     void settle(std::span<const geometry::Ray> rays, std::span<geometry::Hit> hits,
                 std::vector<geometry::Crossing>& scratch, octree::Visits* visits) const {
-        if (ties.empty()) return;
+        if (ties.none()) return;
         for (std::size_t i = 0; i < rays.size(); ++i)
-            if (hits[i] && ties[static_cast<std::uint32_t>(hits[i].id)])
-                hits[i] = lowestOfTied(octree, world.primitives, rays[i], hits[i], scratch, visits);
+            if (hits[i] && ties.isHigher[static_cast<std::uint32_t>(hits[i].id)])
+                hits[i] =
+                    lowestOfTied(octree, world.primitives, ties, rays[i], hits[i], scratch, visits);
     }
 
     const octree::Octree& octree;
@@ -44,7 +45,7 @@ struct Stage {
     std::vector<bool> opaque;  // by MaterialId
     std::vector<bool> nothing; // by MaterialId, all false: no material stops a query of crossings
     std::vector<bool> mayCoincide; // by ObjectId: transmissive and within reach of another object
-    std::vector<bool> ties;        // by PrimitiveId, or empty: lies on a face of a lower object
+    Ties ties;                     // faces of different objects in one plane
 };
 
 } // namespace rt::trace

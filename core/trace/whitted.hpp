@@ -234,13 +234,13 @@ private:
             observer_.hit(work, hit, met.facing, *met.material, met.color);
     }
 
-    static void face(Facing& facing, const Vec3& direction) {
+    void face(Facing& facing, const Vec3& direction) const {
         geometry::Surface& surface = facing.surface;
         facing.leaving = dot(direction, surface.geometricNormal) > 0;
         facing.normal = facing.leaving ? -surface.shadingNormal : surface.shadingNormal;
         facing.geometric = facing.leaving ? -surface.geometricNormal : surface.geometricNormal;
         // Rays leave from beyond a second surface that coincides with this one: its bound too.
-        surface.error += surface.error;
+        surface.error += std::max(surface.error, stage_.ties.errorBesideOf(surface.id));
     }
 
     /// Sums the lights up in `light` of each.

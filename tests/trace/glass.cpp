@@ -1,4 +1,5 @@
 // Refraction through the whole renderer: slabs, balls, nested and touching solids, furnaces.
+#include <core/image/metrics.hpp>
 #include <core/numeric/angle.hpp>
 #include <core/trace/direction.hpp>
 #include <core/trace/media.hpp>
@@ -246,6 +247,61 @@ TEST(Media, glassOnAFloorShowsTheFloor) {
         const auto frame = scene.render().frame;
         for (const auto& pixel : frame.pixels) EXPECT_EQ(pixel, (LinearRgb{0, 0.5, 0}));
     }
+}
+
+// The bound of a large ground is a million times that of what stands on it: half of the rays that left
+// through the glass missed the ground, and half of those that left the glass upward met it.
+TEST(Media, glassStandingOnAVeryLargePlaneHasNoSpeckles) {
+    for (const bool floorFirst : {false, true}) {
+        std::optional<image::Framebuffer> small;
+        for (const double extent : {100.0, 1e4, 1e9}) {
+            SceneMaker scene;
+            const auto floor = scene.add(flatColored({0, 0.5, 0}));
+            scene.description.background.color = {0, 0.5, 0}; // no horizon
+            Material plastic = clear(1.5, {0.9, 0.8, 0.7});
+            plastic.specular = {0.1, 0.2, 0.3};
+            const auto glass = scene.add(plastic);
+            scene.light({3, 3, 9});
+            const auto putFloor = [&] {
+                scene.parallelogram({-extent / 2, -extent / 2, 0}, {extent, 0, 0}, {0, extent, 0},
+                                    floor);
+            };
+            if (floorFirst) putFloor();
+            scene.box({-1, -1, 0}, {1, 1, 1.4}, glass);
+            const double sine = std::sin(radians(25)), cosine = std::cos(radians(25));
+            for (Vec3& p : scene.world.primitives.triangles.positions)
+                p = {cosine * p.x - sine * p.y, sine * p.x + cosine * p.y, p.z};
+            if (!floorFirst) putFloor();
+            scene.description.image.width = 160, scene.description.image.height = 100;
+            scene.look({-3, -2.5, 3}, {3, 2.5, -2.5});
+            scene.description.camera.screenDistance = 2;
+            const auto frame = scene.render().frame;
+            if (!small) small = frame;
+            // Where a ray meets the ground is known to that bound, so highlights differ a little.
+            const auto difference = image::difference(frame, *small, {.tolerance = 1.0 / 255});
+            EXPECT_EQ(difference.over, 0u) << extent << ' ' << floorFirst;
+        }
+    }
+}
+
+// Likewise without glass: shadow rays from a small tile met the floor that it lies in.
+TEST(Media, aTileInAVeryLargeFloorHasNoSpeckles) {
+    SceneMaker scene;
+    const auto red = scene.add(flatColored({1, 0, 0})), green = scene.add(flatColored({0, 1, 0}));
+    const double sine = std::sin(radians(25)), cosine = std::cos(radians(25));
+    scene.parallelogram({0, -1, 0}, {cosine, sine, 0}, {-sine, cosine, 0}, red);
+    scene.parallelogram({-5e8, -5e8, 0}, {1e9, 0, 0}, {0, 1e9, 0}, green);
+    scene.light({30, 3, 2});
+    scene.description.image.width = 160, scene.description.image.height = 100;
+    scene.look({-3, -2.5, 3}, {3, 2.5, -2.5});
+    scene.description.camera.screenDistance = 2;
+    const auto frame = scene.render().frame;
+    std::size_t ofTile = 0;
+    for (const auto& pixel : frame.pixels) {
+        ofTile += pixel.r == 1;
+        EXPECT_EQ(pixel.r + pixel.g, 1);
+    }
+    EXPECT_GT(ofTile, frame.pixels.size() / 50);
 }
 
 TEST(Media, startInsideOfNestedSolids) {
