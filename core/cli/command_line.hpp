@@ -79,7 +79,7 @@ struct FarmOptions {
     std::string action;              // submit, status, resume, cancel, finish
     std::string what;                // a scene, or the directory of a job
     std::vector<std::string> render; // options for `rt render`
-    Engine engine = Engine::local;
+    std::optional<Engine> engine;
     std::size_t chunk = 0;   // frames of a task; 0: as many as take half a minute
     std::uint32_t tiles = 0; // side in pixels; 0: a film
     std::string job;         // empty: ./NAME.job

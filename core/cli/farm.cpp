@@ -95,8 +95,13 @@ private:
         if (outputs.empty()) return false;
         const std::uint32_t frame =
             description.animation ? pictureFrame(scene.options, description) : 0;
-        job_->size = {description.image.width, description.image.height};
-        job_->tasks = farm::inTiles(frame, job_->size[0], job_->size[1], options_.tiles);
+        const std::uint32_t width = description.image.width, height = description.image.height;
+        job_->size = {width, height};
+        const std::size_t limit = engine() == Engine::slurm ? farm::slurmArrayLimit() : SIZE_MAX;
+        std::uint32_t side = options_.tiles;
+        do {
+            job_->tasks = farm::inTiles(frame, width, height, side++);
+        } while (job_->tasks.size() > limit);
         name_ = fs::path(outputs.front().path).stem().string();
         return true;
     }
@@ -129,14 +134,20 @@ private:
             const double seconds = secondsOfFrame(scene, frames[frames.size() / 2]);
             chunk = std::max<std::size_t>(
                 1, static_cast<std::size_t>(std::ceil(kChunkSeconds / std::max(seconds, 0.001))));
-            if (options_.engine == Engine::local) // every process has something to do
+            if (engine() == Engine::local) // every process has something to do
                 chunk = std::min(chunk, (frames.size() + processes() - 1) / processes());
         }
-        if (options_.engine == Engine::slurm) {
+        if (engine() == Engine::slurm) {
             const std::size_t limit = farm::slurmArrayLimit();
             chunk = std::max(chunk, (frames.size() + limit - 1) / limit);
         }
         return std::max<std::size_t>(chunk, 1);
+    }
+
+    /// A job that was given to Slurm goes on there.
+    Engine engine() const {
+        const bool inSlurm = !job_->folder.empty() && farm::isInSlurm(*job_);
+        return options_.engine.value_or(inSlurm ? Engine::slurm : Engine::local);
     }
 
     std::size_t processes() const { return static_cast<std::size_t>(options_.jobs); }
@@ -146,7 +157,7 @@ private:
     int launch() {
         farm::setCancelled(*job_, false);
         const std::vector<std::uint32_t> missing = farm::missingTasks(*job_);
-        switch (options_.engine) {
+        switch (engine()) {
         case Engine::print:
             for (const std::uint32_t task : missing)
                 console_.result(farm::taskCommand(*job_, task) + "\n");
@@ -215,18 +226,19 @@ private:
     // ---- status --------------------------------------------------------------------------------------------
 
     int status() {
-        std::size_t doneTasks = 0, doneFrames = 0, frames = 0;
-        double seconds = 0, attempts = 0;
+        std::size_t doneTasks = 0, doneFrames = 0, frames = 0, timed = 0, running = 0;
+        double seconds = 0;
         std::string rows;
         for (std::size_t i = 0; i < job_->tasks.size(); ++i) {
             const farm::Task& task = job_->tasks[i];
-            const farm::TaskHistory history = farm::historyOf(*job_, i);
+            const std::vector<farm::Attempt> attempts = farm::attemptsAt(*job_, i);
             const bool done = farm::isDone(*job_, i);
             frames += task.frames.size();
             if (done) ++doneTasks, doneFrames += task.frames.size();
-            if (done && history.seconds > 0) seconds += history.seconds, ++attempts;
-            if (done && history.attempts <= 1) continue;
-            rows += row(i, task, history, done);
+            if (done && !attempts.empty() && attempts.back().exitCode == kExitOk)
+                seconds += attempts.back().seconds, ++timed;
+            if (!done && !attempts.empty() && !attempts.back().exitCode) ++running;
+            if (!done || attempts.size() > 1) rows += row(i, task, attempts, done);
         }
         std::string text = name() + ": " + std::to_string(doneTasks) + " of " +
                            std::to_string(job_->tasks.size()) +
@@ -235,28 +247,42 @@ private:
                                                    std::to_string(frames) + " frames");
         const std::size_t left = job_->tasks.size() - doneTasks;
         if (farm::isCancelled(*job_)) text += "; cancelled";
-        if (left > 0 && attempts > 0)
-            text += "; " + spokenDuration(seconds / attempts * static_cast<double>(left)) +
-                    " of work left";
+        if (left > 0 && timed > 0) {
+            const double work = seconds / static_cast<double>(timed) * static_cast<double>(left);
+            text += "; " + spokenDuration(work) + " of work left";
+            if (running > 1)
+                text += ", " + spokenDuration(work / static_cast<double>(running)) + " by the " +
+                        std::to_string(running) + " tasks at a time that run now";
+        }
         console_.result(text + "\n" + rows);
         return kExitOk;
     }
 
     static std::string row(std::size_t index, const farm::Task& task,
-                           const farm::TaskHistory& history, bool done) {
-        std::string state = done                    ? "done"
-                            : history.attempts == 0 ? "waiting"
-                            : history.lastExitCode  ? "failed"
-                                                    : "running, or killed";
+                           const std::vector<farm::Attempt>& attempts, bool done) {
+        constexpr int kNone = -1; // it runs, or was killed
+        const int last = attempts.empty() ? kNone : attempts.back().exitCode.value_or(kNone);
+        const std::string state = done               ? "done"
+                                  : attempts.empty() ? "waiting"
+                                  : last == kNone    ? "running, or killed"
+                                  : last == kExitOk  ? "lost or damaged since"
+                                                     : "failed";
         std::string text = "task " + std::to_string(index) + ", " +
                            (task.tile ? "tile at " + std::to_string((*task.tile)[0]) + "," +
                                             std::to_string((*task.tile)[1])
                                       : "frames " + spelledFrames(task.frames)) +
                            ": " + state;
-        if (history.attempts)
-            text += ", attempt " + std::to_string(history.attempts) + " on " + history.host;
-        if (history.lastExitCode && *history.lastExitCode != 0)
-            text += ", exit " + std::to_string(*history.lastExitCode);
+        if (!attempts.empty())
+            text += ", attempt " + std::to_string(attempts.size()) + " on " + attempts.back().host;
+        if (last > kExitOk) text += ", exit " + std::to_string(last);
+        for (std::size_t i = 0; i + 1 < attempts.size(); ++i) {
+            const farm::Attempt& attempt = attempts[i];
+            text +=
+                "; attempt " + std::to_string(i + 1) + " on " + attempt.host +
+                (!attempt.exitCode              ? " was killed"
+                 : *attempt.exitCode == kExitOk ? " was done, and then lost or damaged"
+                                                : ", exit " + std::to_string(*attempt.exitCode));
+        }
         return text + "\n";
     }
 
@@ -279,15 +305,14 @@ private:
     /// Resubmits what Slurm lost, a few times; else says what is not there.
     int handleMissing(const std::vector<std::uint32_t>& missing) {
         std::optional<int> blame; // an exit code that repeating does not change
-        int attempts = 0;
+        std::size_t most = 0;
         for (const std::uint32_t task : missing) {
-            const farm::TaskHistory history = farm::historyOf(*job_, task);
-            attempts = std::max(attempts, history.attempts);
-            if (history.lastExitCode && *history.lastExitCode != 0 &&
-                !farm::isTransient(*history.lastExitCode))
-                blame = *history.lastExitCode;
+            const std::vector<farm::Attempt> attempts = farm::attemptsAt(*job_, task);
+            most = std::max(most, attempts.size());
+            const int code = attempts.empty() ? 0 : attempts.back().exitCode.value_or(0);
+            if (code != 0 && !farm::isTransient(code)) blame = code;
         }
-        if (farm::isInSlurm(*job_) && !blame && attempts < farm::kMostAttempts &&
+        if (farm::isInSlurm(*job_) && !blame && most < farm::kMostAttempts &&
             !farm::isCancelled(*job_)) {
             farm::submitToSlurm(*job_, missing);
             console_.detail("resubmitted tasks " + spelledFrames(missing));

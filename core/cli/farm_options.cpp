@@ -14,8 +14,7 @@ const std::vector<std::string>& engineNames() {
 
 void addFarmOptions(OptionRows& rows, FarmOptions& options) {
     rows.argument("action", "ACTION", "submit, status, resume, cancel or finish.", options.action);
-    rows.argument("what", "WHAT", "The scene to submit, or the directory of a job.",
-                  options.what);
+    rows.argument("what", "WHAT", "The scene to submit, or the directory of a job.", options.what);
     // Those of `rt render`, which reads them again.
     const auto forward = [&](const char* names, const char* longName, const char* value,
                              const char* text) {
@@ -40,8 +39,8 @@ void addFarmOptions(OptionRows& rows, FarmOptions& options) {
                     options.threads = static_cast<int>(parseWhole(word, 1, 1024));
                 });
     rows.option("--engine", choiceName(engineNames()),
-                "Who runs the tasks: processes of this machine, a Slurm job array, or whoever "
-                "reads the printed command lines.",
+                "Who runs the tasks: processes of this machine, the default; a Slurm job array; or "
+                "whoever reads the printed command lines. Resuming stays with Slurm.",
                 [&options](const std::string& word) {
                     options.engine = static_cast<Engine>(parseChoice(word, engineNames()));
                 });

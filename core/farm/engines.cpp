@@ -109,7 +109,7 @@ void runLocally(const Job& job, std::span<const std::uint32_t> tasks, int parall
     constexpr auto kPoll = std::chrono::milliseconds(20); // tasks take seconds
     std::deque<std::uint32_t> waiting(tasks.begin(), tasks.end());
     std::map<pid_t, std::uint32_t> running;
-    std::map<std::uint32_t, int> attempts;
+    std::map<std::uint32_t, std::size_t> attempts;
     bool ending = false;
     while (!running.empty() || (!waiting.empty() && !ending)) {
         if (!ending && (stop || isCancelled(job))) {
@@ -152,12 +152,15 @@ std::size_t slurmArrayLimit() {
 }
 
 void submitToSlurm(const Job& job, std::span<const std::uint32_t> tasks) {
-    // A task that a signal ended is transient, which clusters with RequeueExit=75 begin again at once; others wait for the
-    // finish pass.
+    // A task that a signal ended is transient, which clusters with RequeueExit=75 begin again; others wait for the finish
+    // pass. The last attempt ends otherwise, or a disk that stays full would keep the array for ever.
+    const std::string transient = std::to_string(kTransient);
     const std::string script = job.folder + "/task.sh", finish = job.folder + "/finish.sh";
-    writeScript(script, "#!/bin/sh\n" + quoted(program()) + " task run " + quoted(job.folder) +
-                            " \"$SLURM_ARRAY_TASK_ID\"\ncode=$?\n[ $code -gt 128 ] && exit " +
-                            std::to_string(kTransient) + "\nexit $code\n");
+    writeScript(script,
+                "#!/bin/sh\n" + quoted(program()) + " task run " + quoted(job.folder) +
+                    " \"$SLURM_ARRAY_TASK_ID\"\ncode=$?\n[ $code -gt 128 ] && code=" + transient +
+                    "\n[ $code -eq " + transient + " ] && [ \"${SLURM_RESTART_COUNT:-0}\" -ge " +
+                    std::to_string(kMostAttempts - 1) + " ] && code=1\nexit $code\n");
     writeScript(finish, "#!/bin/sh\nexec " + finishCommand(job) + "\n");
     std::vector<std::string> submit{"sbatch",
                                     "--parsable",

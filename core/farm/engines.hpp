@@ -16,7 +16,7 @@ using TaskEnded = std::function<void(std::uint32_t task, int exitCode)>;
 /// Is it worth to repeat a task that ended so? Signals and exit 75 are; what the scene is to blame for is not.
 bool isTransient(int exitCode);
 
-inline constexpr int kMostAttempts = 3; // of one task in one submission
+inline constexpr std::size_t kMostAttempts = 3; // of one task in one submission
 
 /// Runs `rt task run` for each task, `parallel` at a time, up to kMostAttempts times each, until `stop` or the job is cancelled:
 /// they then get SIGTERM. What they say goes to their logs.

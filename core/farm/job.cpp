@@ -78,6 +78,14 @@ void appendEvent(const Job& job, std::size_t task, const std::string& line) {
     std::ofstream(job.fileOf(task, ".events"), std::ios::app) << line << '\n';
 }
 
+/// This process: its node and number.
+std::string self() {
+    char host[256] = {};
+    ::gethostname(host, sizeof host - 1);
+    const char* const node = std::getenv("SLURMD_NODENAME");
+    return std::string(node ? node : host) + ' ' + std::to_string(::getpid());
+}
+
 } // namespace
 
 formats::FramePlace Job::placeOf(std::size_t task) const {
@@ -146,40 +154,38 @@ std::vector<std::uint32_t> missingTasks(const Job& job) {
 }
 
 void noteStart(const Job& job, std::size_t task) {
-    char host[256] = {};
-    ::gethostname(host, sizeof host - 1);
-    const char* const node = std::getenv("SLURMD_NODENAME");
     std::ostringstream line;
-    line << std::fixed << "start " << now() << ' ' << (node ? node : host) << ' ' << ::getpid();
+    line << std::fixed << "start " << now() << ' ' << self();
     appendEvent(job, task, line.str());
 }
 
 void noteEnd(const Job& job, std::size_t task, int exitCode) {
     std::ostringstream line;
-    line << std::fixed << "end " << now() << ' ' << exitCode;
+    line << std::fixed << "end " << now() << ' ' << self() << ' ' << exitCode;
     appendEvent(job, task, line.str());
 }
 
-TaskHistory historyOf(const Job& job, std::size_t task) {
-    TaskHistory history;
+std::vector<Attempt> attemptsAt(const Job& job, std::size_t task) {
+    std::vector<Attempt> attempts;
     std::ifstream file(job.fileOf(task, ".events"));
-    double began = 0;
     for (std::string text; std::getline(file, text);) {
         std::istringstream line(text);
-        std::string word;
+        std::string word, host, process;
         double time = 0;
-        line >> word >> time;
+        if (!(line >> word >> time >> host >> process)) continue; // torn by a kill
         if (word == "start") {
-            ++history.attempts;
-            history.lastExitCode.reset();
-            began = time;
-            line >> history.host;
-        } else if (int code = 0; word == "end" && line >> code) {
-            history.lastExitCode = code;
-            history.seconds += time - began;
+            attempts.push_back({host, process, time});
+            continue;
         }
+        const auto ended = std::ranges::find_if(attempts, [&](const Attempt& attempt) {
+            return !attempt.exitCode && attempt.host == host && attempt.process == process;
+        });
+        int code = 0;
+        if (word != "end" || ended == attempts.end() || !(line >> code)) continue;
+        ended->exitCode = code;
+        ended->seconds = time - ended->start;
     }
-    return history;
+    return attempts;
 }
 
 bool isCancelled(const Job& job) { return fs::exists(job.folder + "/cancelled"); }

@@ -52,13 +52,14 @@ std::vector<std::uint32_t> missingTasks(const Job& job);
 void noteStart(const Job& job, std::size_t task);
 void noteEnd(const Job& job, std::size_t task, int exitCode);
 
-struct TaskHistory {
-    int attempts = 0;
-    std::optional<int> lastExitCode; // none: it has not ended, or was killed
-    double seconds = 0;              // of the attempts that ended
-    std::string host;                // of the last attempt
+/// One process that did a task, or tried to.
+struct Attempt {
+    std::string host, process;
+    double start = 0, seconds = 0; // of the epoch; 0 before it has ended
+    std::optional<int> exitCode;   // none: it runs, or was killed
 };
-TaskHistory historyOf(const Job& job, std::size_t task);
+/// In the order in which they began.
+std::vector<Attempt> attemptsAt(const Job& job, std::size_t task);
 
 bool isCancelled(const Job& job);
 void setCancelled(const Job& job, bool cancelled);

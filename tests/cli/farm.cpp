@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <csignal>
 #include <regex>
-#include <thread>
 
 #include <sys/mount.h>
 #include <unistd.h>
@@ -122,8 +121,7 @@ TEST_F(Farm, AKilledTaskAndADamagedFrameAreDoneAgain) {
     RunOptions options;
     options.whileRunning = [&](int) { // kills the first task's process, once
         const std::string events = "f.job/log/task_0000.events";
-        while (!exists(events) || words(read(events)).size() < 4)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        ASSERT_TRUE(eventually([&] { return exists(events) && words(read(events)).size() >= 4; }));
         ::kill(std::stoi(words(read(events))[3]), SIGKILL);
     };
     const Outcome outcome = rt("farm submit film.yaml -o f.mp4 --chunk 3 " + size, options);
@@ -132,16 +130,24 @@ TEST_F(Farm, AKilledTaskAndADamagedFrameAreDoneAgain) {
     EXPECT_EQ(attempts("f.job", 1), 1u);
     expectWhole("f");
     EXPECT_TRUE(std::regex_search(rt("farm status f.job").out,
-                                  std::regex("task 0, frames 0-2: done, attempt 2 on \\S+, exit 0|"
-                                             "task 0, frames 0-2: done, attempt 2 on \\S+\n")))
+                                  std::regex("task 0, frames 0-2: done, attempt 2 on \\S+; "
+                                             "attempt 1 on \\S+ was killed\n")))
         << rt("farm status f.job").out;
 
     write("f.job/out/task_0001/frame_0004.png", "damaged");
     fs::remove_all(folder_ / "f.frames");
     EXPECT_EQ(rt("farm finish f.job").exitCode, 75);
+    EXPECT_NE(
+        rt("farm status f.job").out.find("task 1, frames 3-4: lost or damaged since, attempt 1"),
+        std::string::npos);
     EXPECT_EQ(rt("farm resume f.job").exitCode, 0);
     EXPECT_EQ(attempts("f.job", 0), 2u);
     EXPECT_EQ(attempts("f.job", 1), 2u);
+    EXPECT_TRUE(
+        std::regex_search(rt("farm status f.job").out,
+                          std::regex("task 1, frames 3-4: done, attempt 2 on \\S+; attempt 1 "
+                                     "on \\S+ was done, and then lost or damaged\n")))
+        << rt("farm status f.job").out;
     expectWhole("f");
 }
 
@@ -177,21 +183,25 @@ TEST_F(Farm, AFullDiskInATaskIsTransient) {
     } unmount{small};
     EXPECT_EQ(rt("farm resume f.job").exitCode, 75);
     EXPECT_EQ(attempts("f.job", 1), 3u);
-    EXPECT_TRUE(
-        std::regex_search(rt("farm status f.job").out,
-                          std::regex("task 1, frames 2-3: failed, attempt 3 on \\S+, exit 75\n")))
+    EXPECT_TRUE(std::regex_search(
+        rt("farm status f.job").out,
+        std::regex("task 1, frames 2-3: failed, attempt 3 on \\S+, exit 75; attempt 1 "
+                   "on \\S+, exit 75; attempt 2 on \\S+, exit 75\n")))
         << rt("farm status f.job").out;
     ASSERT_EQ(::mount("tmpfs", small.c_str(), "tmpfs", MS_REMOUNT, "size=4m"), 0);
     EXPECT_EQ(rt("farm resume f.job").exitCode, 0);
     EXPECT_EQ(attempts("f.job", 0), 1u);
+    EXPECT_TRUE(std::regex_search(
+        rt("farm status f.job").out,
+        std::regex("task 1, frames 2-3: done, attempt 4 on \\S+; attempt 1 on \\S+, exit 75; ")))
+        << rt("farm status f.job").out;
     expectWhole("f");
 }
 
 TEST_F(Farm, IsCancelled) {
     RunOptions options;
     options.whileRunning = [&](int) {
-        while (!exists("f.job/log/task_0000.events"))
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        EXPECT_TRUE(eventually([&] { return exists("f.job/log/task_0000.events"); }));
         rt("farm cancel f.job");
     };
     const Outcome outcome = rt("farm submit film.yaml -o f.mp4 --chunk 1 --size 400x300", options);

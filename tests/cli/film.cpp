@@ -336,8 +336,7 @@ TEST_F(Film, CtrlCSaysHowToGoOn) {
     Clock::time_point sent;
     RunOptions options;
     options.whileRunning = [&](int child) {
-        while (!exists("f.frames/frame_0001.png"))
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        EXPECT_TRUE(eventually([&] { return exists("f.frames/frame_0001.png"); }));
         sent = Clock::now();
         ::kill(child, SIGINT);
     };
@@ -362,8 +361,7 @@ TEST_F(Film, TwoProcessesDoNotShareAFolder) {
     RunOptions options;
     Outcome second;
     options.whileRunning = [&](int) {
-        while (!exists("f.frames/frame_0000.png"))
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        EXPECT_TRUE(eventually([&] { return exists("f.frames/frame_0000.png"); }));
         second = rt("render film.yaml -o f.mp4 --size 400x300 --antialias grid=4 --resume");
     };
     EXPECT_EQ(rt("render film.yaml -o f.mp4 --size 400x300 --antialias grid=4", options).exitCode,

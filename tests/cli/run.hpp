@@ -58,6 +58,9 @@ extern const std::string kFilm;
 /// A small .inf scene, 64x48: one sphere, one light.
 extern const std::string kOldScene;
 
+/// Asks until it holds; the deadline bounds a broken program, not a slow machine.
+bool eventually(const std::function<bool()>& holds);
+
 std::vector<std::string> words(const std::string& text);
 std::vector<std::string> linesOf(const std::string& text);
 

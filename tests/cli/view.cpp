@@ -10,6 +10,7 @@
 #include <thread>
 
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <xcb/xcb.h>
@@ -176,6 +177,7 @@ public:
         if (pipe(ends) != 0) return;
         process_ = fork();
         if (process_ == 0) {
+            prctl(PR_SET_PDEATHSIG, SIGKILL); // it holds this test's output open
             close(ends[0]);
             execlp("Xvfb", "Xvfb", "-displayfd", std::to_string(ends[1]).c_str(), "-screen", "0",
                    "1024x768x24", "-nolisten", "tcp", nullptr);
@@ -220,16 +222,6 @@ void pressCloseButton(const std::string& display, const std::string& window) {
                                              reinterpret_cast<const char*>(&event));
     EXPECT_EQ(xcb_request_check(connection, sent), nullptr); // waits until it has arrived
     xcb_disconnect(connection);
-}
-
-/// Runs what is asked until it holds; the deadline bounds a broken program, not a slow machine.
-bool eventually(const std::function<bool()>& holds) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!holds()) {
-        if (std::chrono::steady_clock::now() > deadline) return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    return true;
 }
 
 } // namespace

@@ -1,8 +1,13 @@
 // Threats 5 and 12: every single call that the machine can refuse is refused in turn.
 #include <tests/faults/faults.hpp>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <map>
 #include <set>
+#include <thread>
 
 namespace rt::faults {
 namespace {
@@ -77,6 +82,115 @@ TEST_F(FailingCalls, SyncOfARender) { holds(kRender, "fsync", EIO, {6}, 1); }
 TEST_F(FailingCalls, SyncOfAConvert) { holds(kConvert, "fsync", EIO, {6}, 1); }
 TEST_F(FailingCalls, RenameOfARender) { holds(kRender, "rename", EACCES, {6}, 1); }
 TEST_F(FailingCalls, RenameOfAConvert) { holds(kConvert, "rename", EACCES, {6}, 1); }
+
+/// A film of five frames: what it leaves is complete, and --resume makes the rest. All calls with RT_FAULTS_FULL, else every 7th.
+class FailingFilm : public Faults {
+protected:
+    FailingFilm() { write("film.yaml", cli_tests::kFilm); }
+
+    /// Each file is absent or as a whole run leaves it; `output`, which was there before, may be the old one.
+    void holds(const std::string& arguments, const std::string& output, const std::string& call,
+               int error, const std::set<int>& codes, long step = isFull() ? 1 : 7) {
+        const auto written = [&] {
+            std::map<std::string, std::string> contents;
+            for (const std::string& name : files())
+                if (!name.ends_with(".lock") && !name.ends_with("manifest"))
+                    contents[name] = read(name);
+            return contents;
+        };
+        const auto before = files();
+        ASSERT_EQ(rt(arguments).exitCode, 0);
+        const auto complete = written();
+        const auto after = files();
+        ASSERT_GE(after.size(), before.size() + 6);
+        const std::string old = "the old one";
+        long struck = 0, failed = 0;
+        for (long n = 1;; n += step) {
+            SCOPED_TRACE(arguments + ": " + call + " " + std::to_string(n));
+            for (const std::string& name : after)
+                if (std::ranges::find(before, name) == before.end())
+                    std::filesystem::remove(folder_ / name);
+            if (!output.empty()) write(output, old);
+            const Struck result = runFailing(arguments, call, n, error);
+            const Outcome& o = result.outcome;
+            EXPECT_EQ(o.signal, 0) << o.err;
+            for (const std::string& name : files())
+                EXPECT_TRUE(std::ranges::find(after, name) != after.end()) << name;
+            for (const auto& [name, content] : written())
+                EXPECT_TRUE(content == complete.at(name) ||
+                            (name == output && o.exitCode != 0 && content == old))
+                    << name;
+            if (o.exitCode != 0) {
+                ++failed;
+                EXPECT_TRUE(codes.contains(o.exitCode)) << o.exitCode << ": " << o.err;
+                EXPECT_NE(o.err.find("error"), std::string::npos) << o.err;
+                const Outcome resumed = rt(arguments + " --resume");
+                EXPECT_EQ(resumed.exitCode, 0) << resumed.err;
+            }
+            EXPECT_TRUE(written() == complete);
+            EXPECT_EQ(files(), after);
+            if (HasFailure() || !result.struck) break;
+            ++struck;
+        }
+        std::printf("film, %s: %ld calls struck, %ld runs ended with an error\n", call.c_str(),
+                    struck, failed);
+        EXPECT_GT(struck, 0);
+    }
+    const std::string kEncoded = "render film.yaml --size 16x12 -t 2 -o out.mp4";
+};
+
+TEST_F(FailingFilm, Open) { holds(kEncoded, "out.mp4", "open", EMFILE, {3, 4, 5, 6, 7}); }
+TEST_F(FailingFilm, Read) { holds(kEncoded, "out.mp4", "read", EIO, {4, 5, 6}); }
+TEST_F(FailingFilm, WriteWithoutSpace) { holds(kEncoded, "out.mp4", "write", ENOSPC, {6}); }
+TEST_F(FailingFilm, WriteErrors) { holds(kEncoded, "out.mp4", "write", EIO, {6}); }
+TEST_F(FailingFilm, InterruptedWrites) { holds(kEncoded, "out.mp4", "write", EINTR, {}); }
+TEST_F(FailingFilm, ShortWrites) { holds(kEncoded, "out.mp4", "short", 0, {}); }
+TEST_F(FailingFilm, Close) { holds(kEncoded, "out.mp4", "close", EIO, {4, 5, 6}); }
+TEST_F(FailingFilm, Sync) { holds(kEncoded, "out.mp4", "fsync", EIO, {6}); }
+TEST_F(FailingFilm, Rename) { holds(kEncoded, "out.mp4", "rename", EACCES, {6}); }
+TEST_F(FailingFilm, Allocations) {
+    holds("render film.yaml --size 16x12 -t 2 -o f_%04d.pfm", "", "malloc", ENOMEM, {7},
+          isFull() ? 1 : 977);
+}
+
+/// Row 15 of the table: what cannot be written whole, or is killed, leaves the old film; exit 0 says that its images were counted.
+TEST_F(FailingFilm, Threat15TruncatedVideo) {
+    ASSERT_EQ(rt("render film.yaml --size 64x48 -t 2 -o kept.mp4").exitCode, 0);
+    const std::string old = "the old one";
+    for (const std::string suffix : {"mp4", "avi", "mkv", "webm"}) {
+        const std::string output = "out." + suffix, line = "encode kept.frames -o " + output;
+        SCOPED_TRACE(line);
+        const auto start = std::chrono::steady_clock::now();
+        ASSERT_EQ(rt(line).exitCode, 0);
+        const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
+        const std::string complete = read(output);
+        const auto names = files();
+        for (long n = 1;; ++n) { // containers have their beginning written at last
+            write(output, old);
+            const Struck result = runFailing(line, "write", n, ENOSPC);
+            EXPECT_EQ(files(), names);
+            if (!result.struck) break;
+            EXPECT_EQ(result.outcome.exitCode, 6) << result.outcome.err;
+            EXPECT_EQ(read(output), old);
+            ASSERT_FALSE(HasFailure());
+        }
+        EXPECT_EQ(read(output), complete);
+        cli_tests::RunOptions options;
+        const int kills = isFull() ? 50 : 4;
+        for (int i = 0; i < kills; ++i) {
+            write(output, old);
+            options.whileRunning = [&](int child) {
+                std::this_thread::sleep_for(whole * (i + 0.5) / kills);
+                ::kill(child, SIGKILL);
+            };
+            rt(line, options);
+            const std::string now = read(output);
+            EXPECT_TRUE(now == old || now == complete) << now.size();
+        }
+        ASSERT_EQ(rt(line).exitCode, 0); // sweeps up what the killed ones left
+        EXPECT_EQ(files(), names);
+    }
+}
 
 /// Row 5 of the table: all with RT_FAULTS_FULL, else every 89th.
 TEST_F(FailingCalls, Threat05AllocationsOfARender) {

@@ -1,4 +1,4 @@
-// Threat 13: after a kill at any time the output is the old file or the complete new one. The film's half is in films.cpp.
+// Threat 13: after a kill at any time the output is the old file or the complete new one. A film's frames: tests/cli/film.cpp.
 #include <tests/faults/faults.hpp>
 
 #include <chrono>

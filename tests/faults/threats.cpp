@@ -1,5 +1,5 @@
 // The table of threats, row by row: what somebody hostile or a bad day does to rt, and what rt does then. Rows 5, 12, 13 and 15 are
-// in failing_calls.cpp and kills.cpp.
+// in failing_calls.cpp, kills.cpp and tests/cli/film.cpp.
 #include <tests/faults/faults.hpp>
 
 #include <atomic>
