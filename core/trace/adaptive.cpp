@@ -188,10 +188,9 @@ private:
     /// n samples that all agree leave a squared error of 2 / ((n + 1)(n + 2)(n + 3)) on average where
     /// an edge is; 2 follows that within a factor of 1.3 for n of 4 to 16.
     static constexpr double kPriorSamples = 2;
-    /// RT_ADAPTIVE_STUDY=1 test_trace --gtest_filter=Adaptive.* : 12 scenes at 160x120, errors of
-    /// 0.05, 0.02 and 0.01. 1.5 kept the promise in 34 of these 36 pairs, 1.8 in all; of the 24 pairs
-    /// of the small pictures 1.8 kept 22, 2.2 keeps 23. Things thinner than a fifth of a pixel can
-    /// still be missed by all samples.
+    /// ./dev stability --only adaptive_sampling: 12 scenes at 160x120, errors of 0.05, 0.02 and 0.01. 1.5 kept the
+    /// promise in 34 of these 36 pairs, 1.8 in all; of the 24 pairs of the small pictures 1.8 kept 22, 2.2 keeps all.
+    /// Things thinner than a fifth of a pixel can still be missed by all samples.
     static constexpr double kCaution = 2.2;
 
     const View& view_;

@@ -1,6 +1,7 @@
-// The stability suite in full, family by family; a campaign that was interrupted goes on where it was.
+// The stability suite in full, family by family; a campaign that was interrupted goes on where it was. Families of
+// random trials can be run in parts, each with the next seed, so that hours of them are not lost.
 //
-//   stability --folder DIR [--commit C] [--share S] [--only FAMILY] [--results FILE.md]
+//   stability --folder DIR [--commit C] [--share S] [--parts N] [--only FAMILY] [--results FILE.md]
 //   stability --mesh FILE [--rays N] [--seed S] [--json]
 //
 // Exit code: 0 every target met, 1 one missed, 2 usage.
@@ -51,6 +52,23 @@ Json measured(const Case& family, const Load& load, const std::string& commit) {
             {"rows", Json::parse(asJson("", table))["rows"]}};
 }
 
+/// Both parts together: what they counted, and the worse of what they measured.
+Json joined(Json a, const Json& b) {
+    for (std::size_t i = 0; i < a["rows"].size(); ++i) {
+        Json &row = a["rows"][i], other = b["rows"].at(i);
+        if (row["case"] != other["case"])
+            throw std::runtime_error("parts differ in their cases: run this family in one");
+        row["of"] = row["of"].get<std::uint64_t>() + other["of"].get<std::uint64_t>();
+        if (!row.contains("worst"))
+            row["wrong"] = row["wrong"].get<std::uint64_t>() + other["wrong"].get<std::uint64_t>();
+        else if (!row["worst"].is_null() &&
+                 (other["worst"].is_null() || other["worst"] > row["worst"]))
+            row["worst"] = other["worst"]; // null: not a number
+    }
+    a["share"] = a["share"].get<double>() + b["share"].get<double>();
+    return a;
+}
+
 Table tableOf(const Json& family) {
     Table table;
     for (const Json& row : family["rows"]) {
@@ -72,27 +90,39 @@ int campaign(Arguments& arguments) {
     load.full = true;
     load.share = std::stod(arguments.of("--share", "1"));
     load.seed = std::stoull(arguments.of("--seed", "1"));
+    const std::uint64_t parts = std::stoull(arguments.of("--parts", "1"));
     std::filesystem::create_directories(folder);
     std::string text = "# Numerical stability, measured\n\nMade by `./dev stability`; each family "
                        "says at which commit. What the ids mean: tests/stability/cases.hpp.\n";
     std::size_t rows = 0, missed = 0;
     for (const Case& family : allCases()) {
-        if (!only.empty() && only != family.id) continue;
         const std::filesystem::path file = folder / (std::string(family.id) + ".json");
+        if (!only.empty() && only != family.id && !std::filesystem::exists(file)) continue;
         Json result;
+        std::uint64_t done = 0;
         if (std::ifstream kept(file); kept) {
             result = Json::parse(kept);
-            std::fprintf(stderr, "%s: kept from %s\n", family.id, file.c_str());
-        } else {
+            done = result["parts"];
+            std::fprintf(stderr, "%s: %ju parts kept from %s\n", family.id,
+                         static_cast<std::uintmax_t>(done), file.c_str());
+            if (result["commit"] != commit || !(only.empty() || only == family.id)) done = parts;
+        }
+        for (; done < parts; ++done) {
             std::fprintf(stderr, "%s: running\n", family.id);
-            result = measured(family, load, commit);
+            Load part = load;
+            part.share = load.share / static_cast<double>(parts), part.seed = load.seed + done;
+            const Json more = measured(family, part, commit);
+            result = done ? joined(result, more) : more;
+            result["parts"] = done + 1;
             std::ofstream(file) << result.dump(2) << '\n';
         }
         const Table table = tableOf(result);
         std::ostringstream facts;
         facts << "Commit " << result["commit"].get<std::string>() << ", "
               << result["cpu"].get<std::string>() << ", " << result["simd"].get<std::string>()
-              << ", seed " << result["seed"] << ", " << result["share"] << " of the full trials.";
+              << ", seed " << result["seed"];
+        if (const std::uint64_t of = result["parts"]; of > 1) facts << " to " << of;
+        facts << ", " << 100 * result["share"].get<double>() << " % of the full trials.";
         text += "\n#" + asMarkdown(family.id, facts.str(), table);
         rows += table.rows().size();
         for (const Row& row : table.rows()) {
@@ -125,8 +155,8 @@ int anyMesh(Arguments& arguments) {
 
 int run(int argc, char** argv) {
     Arguments arguments;
-    const std::string known[] = {"--folder",  "--commit", "--share", "--only",
-                                 "--results", "--mesh",   "--rays",  "--seed"};
+    const std::string known[] = {"--folder", "--commit", "--share", "--only", "--results",
+                                 "--mesh",   "--rays",   "--seed",  "--parts"};
     for (int i = 1; i < argc; ++i) {
         const std::string name = argv[i];
         if (name == "--json")

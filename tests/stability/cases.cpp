@@ -15,6 +15,7 @@ const std::vector<Case>& allCases() {
         {"backgrounds", backgrounds},
         {"coplanar_faces", coplanarFaces},
         {"pictures", pictures},
+        {"adaptive_sampling", adaptiveSampling},
     };
     return all;
 }

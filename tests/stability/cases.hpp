@@ -1,5 +1,6 @@
 // The cases, by their ids: S spheres, T triangles, O leaving surfaces, B boxes, A motion, R refraction, N interpolated
-// normals, E backgrounds, C whole pictures. All run rt's own code; what is expected is exact or binary128.
+// normals, E backgrounds, C whole pictures, P the promise of max_error. All run rt's own code; what is expected is exact
+// or binary128, and for P a far finer sampling.
 #pragma once
 #include <tests/stability/table.hpp>
 
@@ -45,5 +46,6 @@ void refraction(const Load&, Table&);
 void interpolatedNormals(const Load&, Table&);
 void backgrounds(const Load&, Table&);
 void pictures(const Load&, Table&);
+void adaptiveSampling(const Load&, Table&);
 
 } // namespace rt::stability
