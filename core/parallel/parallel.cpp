@@ -128,10 +128,12 @@ int availableThreads() {
 
 void withThreads(int threads, const std::function<void()>& body) {
     const int count = threads > 0 ? threads : availableThreads();
+    // Where memory is short, here: neither an observer nor a global_control survives a failure to make the arena.
+    tbb::task_arena arena(count);
+    arena.initialize();
     // TBB starts no more workers than the machine has cores unless told.
     const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
                                       static_cast<std::size_t>(count));
-    tbb::task_arena arena(count);
     const HandlerStacks stacks(arena);
     arena.execute([&] {
         const Inside inside;

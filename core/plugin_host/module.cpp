@@ -168,6 +168,7 @@ std::variant<const rt_module*, std::string> openModule(const fs::path& path,
 
     std::error_code error;
     const fs::path real = fs::canonical(path, error);
+    if (error == std::errc::not_enough_memory) throw std::bad_alloc(); // of no fault of the module
     if (error) return "it cannot be read (" + error.message() + ")";
     if (std::none_of(trusted.begin(), trusted.end(),
                      [&](const fs::path& folder) { return isInside(real, folder); }))
@@ -186,7 +187,10 @@ std::variant<const rt_module*, std::string> openModule(const fs::path& path,
     if (library == nullptr) {
         const char* const said = dlerror();
         const std::string words = said != nullptr ? said : "out of memory";
-        if (words == "out of memory" || words.ends_with(std::strerror(ENOMEM)))
+        // Two of the C library's words for it: what cannot be opened is open here.
+        if (words == "out of memory" || words.ends_with(std::strerror(ENOMEM)) ||
+            words.starts_with(real.string() + ": cannot open shared object file") ||
+            words.ends_with("cannot create shared object descriptor"))
             throw std::bad_alloc(); // of no fault of the module
         return "it cannot be opened (" + words + ")";
     }

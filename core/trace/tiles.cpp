@@ -7,11 +7,34 @@
 #include <mutex>
 #include <numbers>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 namespace rt::trace {
 namespace {
 
 constexpr std::uint32_t kTileSide = 16; // pixels
+
+/// What no thread uses at the moment. (A thread_local one would have its destructor registered by the C library,
+/// which ends the program when there is no memory for that.)
+class IdleScratches {
+public:
+    Scratch take() {
+        const std::lock_guard lock(mutex_);
+        if (idle_.empty()) return {};
+        Scratch last = std::move(idle_.back());
+        idle_.pop_back();
+        return last;
+    }
+    void give(Scratch&& scratch) {
+        const std::lock_guard lock(mutex_);
+        idle_.push_back(std::move(scratch));
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<Scratch> idle_;
+};
 
 } // namespace
 
@@ -26,8 +49,10 @@ bool forEachPiece(std::size_t pieces, const Options& options, RayCounts& counts,
             complete = false;
             return;
         }
-        thread_local Scratch scratch;
+        static IdleScratches idle;
+        Scratch scratch = idle.take();
         body(piece, scratch, counted[piece]);
+        idle.give(std::move(scratch));
         const std::size_t finished = ++done;
         if (!options.progress) return;
         const std::unique_lock lock(reporting, std::try_to_lock);
