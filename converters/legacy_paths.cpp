@@ -1,5 +1,7 @@
 #include <converters/legacy_paths.hpp>
 
+#include <core/scene/input_file.hpp>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -25,10 +27,10 @@ fs::path onDisk(const fs::path& folder, const fs::path& relative) {
         }
         fs::path match;
         const fs::path parent = found.empty() ? folder : folder / found;
-        for (const auto& entry : fs::directory_iterator(parent.empty() ? "." : parent, error)) {
-            if (!equalIgnoringCase(entry.path().filename().string(), part.string())) continue;
+        for (const std::string& name : scene::namesIn(parent.empty() ? "." : parent.string())) {
+            if (!equalIgnoringCase(name, part.string())) continue;
             if (!match.empty()) return {};
-            match = entry.path().filename();
+            match = name;
         }
         if (match.empty()) return {};
         found /= match;

@@ -1,5 +1,7 @@
 #include <formats/atomic_file.hpp>
 
+#include <core/scene/input_file.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -180,12 +182,11 @@ TemporaryFile::TemporaryFile(std::string target) : target_(std::move(target)) {
     if (fs::exists(target_, error)) target_ = fs::canonical(target_).string();
     const fs::path folder = folderOf(target_);
     const std::string start = "." + fs::path(target_).filename().string() + ".";
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-        const std::string name = entry.path().filename();
+    for (const std::string& name : scene::namesIn(folder.string())) {
         if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
         pid_t owner = 0;
         std::from_chars(name.data() + start.size(), name.data() + name.size(), owner);
-        if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+        if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) fs::remove(folder / name, error);
     }
     path_ = (folder / (start + std::to_string(::getpid()) + ".tmp")).string();
 }

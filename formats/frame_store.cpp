@@ -1,5 +1,6 @@
 #include <formats/frame_store.hpp>
 
+#include <core/scene/input_file.hpp>
 #include <formats/atomic_file.hpp>
 #include <formats/checksum.hpp>
 
@@ -93,13 +94,12 @@ std::string lockOf(const FramePlace& place) {
 /// Removes the temporary files of a process that was killed.
 void sweep(const FramePlace& place) {
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(place.folder, ignored)) {
-        const std::string name = entry.path().filename();
+    for (const std::string& name : scene::namesIn(place.folder)) {
         const std::string start = "." + place.before;
         const bool ours = (name.starts_with(start) && name.size() > start.size() &&
                            std::isdigit(static_cast<unsigned char>(name[start.size()]))) ||
                           name.starts_with("." + place.manifest + ".");
-        if (ours && name.ends_with(".tmp")) fs::remove(entry.path(), ignored);
+        if (ours && name.ends_with(".tmp")) fs::remove(fs::path(place.folder) / name, ignored);
     }
 }
 

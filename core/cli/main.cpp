@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <new>
+#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -45,6 +46,13 @@ void holdStandardDescriptors() {
             ::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);
 }
 
+/// std::filesystem says so in its own way.
+bool lackedMemory(const std::exception& error) {
+    const auto* const system = dynamic_cast<const std::system_error*>(&error);
+    return dynamic_cast<const std::bad_alloc*>(&error) ||
+           (system && system->code() == std::errc::not_enough_memory);
+}
+
 int run(int argc, const char* const* argv) {
     CommandLine line;
     for (int i = 1; i < argc;
@@ -65,10 +73,11 @@ int run(int argc, const char* const* argv) {
     } catch (const StdoutError& error) {
         Console(line.common).fail(line.command, kExitOutput, error.what(), "");
         return kExitOutput;
-    } catch (const std::bad_alloc&) {
-        Console(line.common).fail(line.command, kExitLimit, "out of memory", "");
-        return kExitLimit;
     } catch (const std::exception& error) {
+        if (lackedMemory(error)) {
+            Console(line.common).fail(line.command, kExitLimit, "out of memory", "");
+            return kExitLimit;
+        }
         Console(line.common)
             .fail(line.command, kExitInternal, std::string("internal error: ") + error.what(),
                   "please report it");
