@@ -270,6 +270,12 @@ void addIds(const std::uint32_t* id, int lanes, std::vector<std::uint32_t>& ids)
     for (int i = 0; i < lanes && id[i] != kEmptyChild; ++i) ids.push_back(id[i]);
 }
 
+std::uint32_t countIds(const std::uint32_t (&id)[kLanes]) {
+    std::uint32_t count = 0;
+    while (count < kLanes && id[count] != kEmptyChild) ++count;
+    return count;
+}
+
 } // namespace
 
 void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids) {
@@ -313,6 +319,14 @@ std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference) {
         return static_cast<std::uint32_t>(__builtin_popcount(tree.shared[index].valid));
     case kNarrowSharedLeaf:
         return static_cast<std::uint32_t>(__builtin_popcount(tree.narrowShared[index].valid));
+    case kTriangleLeaf:
+        return countIds(tree.triangles[index].id);
+    case kNarrowTriangleLeaf:
+        return countIds(tree.narrowTriangles[index].id);
+    case kSphereLeaf:
+        return countIds(tree.spheres[index].id);
+    case kParallelogramLeaf:
+        return countIds(tree.parallelograms[index].id);
     default:
         std::vector<std::uint32_t> ids;
         idsOfLeaf(tree, reference, ids);

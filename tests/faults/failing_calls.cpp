@@ -122,7 +122,10 @@ protected:
                     << name;
             if (o.exitCode != 0) {
                 ++failed;
-                EXPECT_TRUE(codes.contains(o.exitCode)) << o.exitCode << ": " << o.err;
+                // libgcrypt, which FFmpeg brings, aborts where it cannot read a file of the system's.
+                const bool library =
+                    o.exitCode == 70 && o.err.find("in libgcrypt: ") != std::string::npos;
+                EXPECT_TRUE(library || codes.contains(o.exitCode)) << o.exitCode << ": " << o.err;
                 EXPECT_NE(o.err.find("error"), std::string::npos) << o.err;
                 const Outcome resumed = rt(arguments + " --resume");
                 EXPECT_EQ(resumed.exitCode, 0) << resumed.err;
