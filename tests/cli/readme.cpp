@@ -41,6 +41,27 @@ TEST_F(Readme, ItsExitCodesAreThoseOfTheHelp) {
     EXPECT_NE(rt("--help").out.find("\nExit codes:\n" + codes), std::string::npos) << codes;
 }
 
+/// The committed plot has the dots, and their flags, that rt bench draws today.
+TEST_F(Readme, ItsPlotIsOneOfRtBench) {
+    ASSERT_NE(source("README.md").find("(scenes/showcase_b.svg)"), std::string::npos);
+    ASSERT_NE(source("README.md")
+                  .find("`rt bench scenes/showcase.yaml --panels B --threads 1 --rounds 5`"),
+              std::string::npos);
+    write("scene.yaml", block(source("README.md"), "yaml"));
+    ASSERT_EQ(
+        rt("bench scene.yaml --panels B --threads 1 -s 16x12 --rounds 1 --reference 3").exitCode,
+        0);
+    const auto dotsOf = [](const std::string& svg) {
+        std::vector<std::string> dots; // name and flags
+        for (std::size_t at = 0; (at = svg.find("<title>", at)) != std::string::npos; ++at)
+            dots.push_back(svg.substr(at, svg.find('\n', svg.find('\n', at) + 1) - at));
+        return dots;
+    };
+    const auto dots = dotsOf(source("scenes/showcase_b.svg"));
+    EXPECT_EQ(dots.size(), 9u);
+    EXPECT_EQ(dots, dotsOf(read("bench/scene_b.svg")));
+}
+
 /// tests/plugin_host/consumer builds the guide's.
 TEST_F(Readme, ItsPluginIsTheGuides) {
     const std::string plugin = block(source("README.md"), "cpp");
