@@ -34,9 +34,9 @@ constexpr double kBundleSlack = 5 * numeric::powerOfTwo(-24); // derived above
 struct alignas(64) Bundle {
     // as BoxRay, [axis][ray]; in octree space
     float inverse[3][kRays], enter[3][kRays], leave[3][kRays];
-    float limit[kRays]; // as boxLimit; -1: the ray meets no box any more
+    float limit[kRays]; // as limitOf; -1: the ray meets no box any more
     float cap[kRays];   // of limit: -1 or infinity
-    double perT[kRays], shift[kRays];
+    double limitFactor[kRays], limitOffset[kRays];
     // as Frame
     double origin[3][kRays];
     double shearX[kRays], shearY[kRays], shearZ[kRays];
@@ -114,8 +114,10 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             isNear &= bits(magnitude(scaled) <= all(kNear)) << at | 0xFF00u >> at;
         }
         const F64 perT = all(tree.scale) * power[g];
-        store(b.perT + at, select(perT > all(kLeastScale), perT, all(__builtin_inf())));
-        store(b.shift + at, all(0.0));
+        store(b.limitFactor + at,
+              select(perT > all(kLeastScale), perT, all(__builtin_inf())) *
+                  all((1 + kLimitSlack) * (1 + kLimitSlackF32)));
+        store(b.limitOffset + at, all(kLeastLimit));
         store(extra + at, all(0.0));
         store(b.t + at, column[g][kTMax]);
         const F64 shearZ = load(inverse[b.kz] + at) * factor[g];
@@ -147,8 +149,9 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         const double inverses[3] = {inverse[0][i], inverse[1][i], inverse[2][i]};
         alignas(32) double direction[4];
         store(direction, clampedDirection(normalized(rays[i])));
-        if (!moveNear(inverses, direction, distance, at, b.shift[i], extra[i]))
-            b.active &= ~(1u << i);
+        double shift;
+        if (!moveNear(inverses, direction, distance, at, shift, extra[i])) b.active &= ~(1u << i);
+        b.limitOffset[i] = limitsOf(tree.scale, shift).offset;
         if (extra[i] > mostExtra) mostExtra = extra[i];
         for (int axis = 0; axis < 3; ++axis) moved[axis][i] = at[axis];
     }
@@ -204,18 +207,12 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     return true;
 }
 
-/// As boxLimit, for all rays; returns the largest.
+/// As limitOf, for all rays; returns the largest.
 inline float setLimits(Bundle& b) {
-    F64 moved[2];
-    for (int g = 0; g < 2; ++g) {
-        const int at = g * kLanes;
-        const F64 scaled = load(b.t + at) * load(b.perT + at);
-        const F64 m = scaled - load(b.shift + at) + all(kLimitSlack) * scaled;
-        moved[g] = larger(select(m < all(0x1p120), m, all(__builtin_inf())), all(0.0));
-    }
-    const Wide limit =
-        smaller(narrow(moved[0], moved[1]) * allWide(1 + kLimitSlackF32) + allWide(kLeastLimit),
-                loadWide(b.cap));
+    const auto eight = [&](int at) {
+        return load(b.t + at) * load(b.limitFactor + at) + load(b.limitOffset + at);
+    };
+    const Wide limit = smaller(larger(narrow(eight(0), eight(kLanes)), allWide(0)), loadWide(b.cap));
     store(b.limit, limit);
     return largestOf(limit);
 }
@@ -546,8 +543,8 @@ template <bool kCount, bool kAny>
                                                      b.limit[i], f, b.exclude[i], b.t[i], visits))
                << i;
     Best best = bestAt(b, i);
-    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order, b.perT[i], b.shift[i], f,
-                        b.exclude[i], best, visits);
+    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order, {b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i],
+                        best, visits);
     return take(b, i, best);
 }
 

@@ -12,7 +12,7 @@ struct alignas(64) Walk {
     Best best;
     double last; // of an occlusion query
     bool hasEnded, any;
-    double perT, shift;
+    Limits limits;
     float limit;
     std::uint32_t exclude, current;
     std::size_t top, ray; // ray: index in the batch; count: none
@@ -68,10 +68,10 @@ inline bool start(const TreeView& tree, const Ray* rays, std::size_t count, std:
     constexpr bool kAny = sizeof(Answer) == 1;
     for (; next < count; ++next) {
         const Ray& ray = rays[next];
-        alignas(32) double inverses[4];
-        const Normalized n = normalized(ray);
-        const BoxRay box = boxRayOf(tree, ray, n, inverses);
-        w.frame = frameOf(tree, ray, n, inverses);
+        alignas(32) double inverses[4], factor;
+        BoxRay box;
+        setUpBoxRay(tree, ray, box, inverses, factor);
+        w.frame = frameOf(tree, ray, inverses, factor);
         w.exclude = static_cast<std::uint32_t>(ray.exclude);
         w.best = {ray.tMax, 0, 0, nullptr};
         w.last = below(ray.tMax);
@@ -90,9 +90,8 @@ inline bool start(const TreeView& tree, const Ray* rays, std::size_t count, std:
         }
         w.lanes = lanesOf(box);
         w.order = orderOf(box.mirror);
-        w.perT = box.perT;
-        w.shift = box.shift;
-        w.limit = boxLimit(box.perT, box.shift, w.best.t);
+        w.limits = box.limits;
+        w.limit = limitOf(box.limits, w.best.t);
         w.current = 0;
         w.top = 0;
         w.ray = next++;
@@ -126,7 +125,7 @@ inline bool walk(const TreeView& tree, const Ray& ray, Walk& w, Visits* visits) 
             w.any = anyInLeaf<kCount>(tree, current, ray, w.frame, w.exclude, w.last, visits);
             if (w.any) return false;
         } else if (closestInLeaf<kCount>(tree, current, ray, w.frame, w.exclude, w.best, visits)) {
-            limit = w.limit = boxLimit(w.perT, w.shift, w.best.t);
+            limit = w.limit = limitOf(w.limits, w.best.t);
         }
         if (!mask) {
             do {

@@ -11,6 +11,11 @@ struct alignas(64) LaneArray {
     double at[kLanes];
 };
 
+/// How far along a ray boxes matter, in octree space: t · factor + offset is no less than the parameter of t.
+struct Limits {
+    double factor, offset;
+};
+
 /// A ray against f32 boxes, in octree space.
 ///
 /// For a plane p the test computes fl(p·r − n) with r = fl(1/d) and n = fl(o/d + s), all in f32 but the
@@ -23,8 +28,8 @@ struct alignas(64) LaneArray {
 struct alignas(16) BoxRay {
     float inverse[4], enter[4], leave[4]; // [3]: unused
     unsigned mirror;                      // bit per axis: direction is negative
-    double perT, shift; // octree-space parameter of the moved origin = t · perT − shift
-    bool misses;        // the whole cube
+    Limits limits;
+    bool misses; // the whole cube
 };
 
 constexpr double kNear = 8;                             // half sides of the cube
@@ -36,10 +41,16 @@ constexpr double kSmallestDirection =
     numeric::powerOfTwo(-60); // of a largest component in [1, 2): moves a ray by
                               // less than 2^-56 within the cube
 
+// Directions whose largest component lies between need no normalising: the smallest that is then left
+// is as small as above or smaller, and nothing here leaves the range of f32.
+constexpr double kShort = numeric::powerOfTwo(-30), kLong = numeric::powerOfTwo(30),
+                 kSmallestOrdinary = numeric::powerOfTwo(-90);
+
 constexpr double kLeastPower = numeric::powerOfTwo(-1023), kLeastScale = numeric::powerOfTwo(-900);
-constexpr double kLimitSlack = numeric::powerOfTwo(-50);                       // 8 u of f64
-constexpr float kLimitSlackF32 = static_cast<float>(numeric::powerOfTwo(-22)); // 4 u of f32
-constexpr float kLeastLimit = static_cast<float>(numeric::powerOfTwo(-120));
+// Of a limit: 16 u of f64 for what shifts and limitOf round, 4 u of f32 for what is rounded to f32.
+constexpr double kLimitSlack = numeric::powerOfTwo(-49);
+constexpr double kLimitSlackF32 = numeric::powerOfTwo(-22);
+constexpr double kLeastLimit = numeric::powerOfTwo(-120);
 
 inline double absolute(double x) { return __builtin_fabs(x); }
 
@@ -98,59 +109,83 @@ inline Quad clampedDirection(const Normalized& n) {
     return in <= out;
 }
 
-/// `inverses`: of the normalized direction, exact where it is not tiny.
-[[gnu::always_inline]] inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray,
-                                              const Normalized& n, double inverses[4]) {
-    BoxRay b;
-    b.perT = tree.scale * n.inverse;
-    if (!(b.perT > kLeastScale)) b.perT = __builtin_inf(); // underflow: t prunes nothing
-    b.shift = 0;
-    b.misses = !n.isFinite;
-    b.mirror = signsOf(n.direction);
-    const Quad d = clampedDirection(n);
-    const Quad inverse = allQuad(1.0) / d;
-    Quad o = withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
-    store(inverses, inverse);
-    alignas(32) double at[4];
-    store(at, o);
-    double extra = 0;
-    if (!(absolute(at[0]) <= kNear && absolute(at[1]) <= kNear && absolute(at[2]) <= kNear)) {
-        double distance = 0;
-        for (int i = 0; i < 3; ++i)
-            if (!(absolute(at[i]) <= distance)) distance = absolute(at[i]);
-        if (!(distance <= kTooFar)) { // or NaN
-            for (int i = 0; i < 3;
-                 ++i) { // every box is met; the planes of empty slots stay infinite
-                b.inverse[i] = 1;
-                b.enter[i] = 0x1p127f;
-                b.leave[i] = -0x1p127f;
-            }
-            b.mirror = 0;
-            b.perT = __builtin_inf();
-            return b;
-        }
-        alignas(32) double direction[4];
-        store(direction, d);
-        b.misses = !moveNear(inverses, direction, distance, at, b.shift, extra);
-        if (b.misses) return b;
-        at[3] = 0;
-        o = loadQuad(at);
-    }
-    const Quad slack =
-        (allQuad(kSlack) * (allQuad(1.0) + magnitude(o)) + allQuad(extra)) * magnitude(inverse);
-    const Quad t = o * inverse;
-    storeNarrow(b.inverse, inverse);
-    storeNarrow(b.enter, t + slack);
-    storeNarrow(b.leave, t - slack);
-    return b;
+/// Octree-space parameter = t · perT − shift.
+inline Limits limitsOf(double perT, double shift) {
+    if (!(perT > kLeastScale)) perT = __builtin_inf(); // underflow: t prunes nothing
+    return {perT * ((1 + kLimitSlack) * (1 + kLimitSlackF32)),
+            kLeastLimit - shift * (1 + kLimitSlackF32)};
 }
 
 /// An f32 parameter of the boxes at or after t.
-inline float boxLimit(double perT, double shift, double t) {
-    const double scaled = t * perT;
-    const double moved = scaled - shift + kLimitSlack * scaled;
-    if (!(moved < 0x1p120)) return __builtin_inff(); // or NaN
-    return moved > 0 ? static_cast<float>(moved) * (1 + kLimitSlackF32) + kLeastLimit : 0.0f;
+inline float limitOf(const Limits& limits, double t) {
+    return notNegative(static_cast<float>(productPlus(t, limits.factor, limits.offset)));
+}
+
+[[gnu::always_inline]] inline void setPlanes(BoxRay& b, Quad origin, Quad inverse, double extra) {
+    const Quad slack = (allQuad(kSlack) * (allQuad(1.0) + magnitude(origin)) + allQuad(extra)) *
+                       magnitude(inverse);
+    const Quad t = origin * inverse;
+    storeNarrow(b.inverse, inverse);
+    storeNarrow(b.enter, t + slack);
+    storeNarrow(b.leave, t - slack);
+}
+
+inline Quad originOf(const TreeView& tree, const Ray& ray) {
+    return withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
+}
+
+/// boxRayOf, for rays that start far away or have very short or long directions.
+[[gnu::noinline]] void setUpAnyBoxRay(const TreeView& tree, const Ray& ray, BoxRay& b,
+                                      double inverses[4], double& factor) {
+    const Normalized n = normalized(ray);
+    factor = n.factor;
+    b.misses = !n.isFinite;
+    b.mirror = signsOf(n.direction);
+    const Quad d = clampedDirection(n), inverse = allQuad(1.0) / d;
+    store(inverses, inverse);
+    alignas(32) double at[4];
+    store(at, originOf(tree, ray));
+    double distance = 0, shift = 0, extra = 0;
+    for (int i = 0; i < 3; ++i)
+        if (!(absolute(at[i]) <= distance)) distance = absolute(at[i]);
+    if (!(distance <= kTooFar)) { // or NaN
+        // Every box is met; the planes of empty slots stay infinite.
+        for (int i = 0; i < 3; ++i) {
+            b.inverse[i] = 1;
+            b.enter[i] = 0x1p127f;
+            b.leave[i] = -0x1p127f;
+        }
+        b.mirror = 0;
+        b.limits = limitsOf(__builtin_inf(), 0);
+        return;
+    }
+    if (!(distance <= kNear)) {
+        alignas(32) double direction[4];
+        store(direction, d);
+        if (!moveNear(inverses, direction, distance, at, shift, extra)) b.misses = true;
+        at[3] = 0;
+    }
+    b.limits = limitsOf(tree.scale * n.inverse, shift);
+    setPlanes(b, loadQuad(at), inverse, extra);
+}
+
+/// `inverses`: of the direction times `factor`, a power of two; exact where they are not tiny.
+[[gnu::always_inline]] inline void setUpBoxRay(const TreeView& tree, const Ray& ray, BoxRay& b,
+                                               double inverses[4], double& factor) {
+    const Quad direction = withFourth(loadQuad(&ray.direction.x), 1), size = magnitude(direction);
+    const Quad origin = originOf(tree, ray);
+    const unsigned ordinary = bitsLessEqual(size, allQuad(kLong)) &
+                              bitsLessEqual(magnitude(origin), allQuad(kNear)) & 7;
+    if (ordinary != 7 || !(bitsLessEqual(allQuad(kShort), size) & 7)) [[unlikely]]
+        return setUpAnyBoxRay(tree, ray, b, inverses, factor);
+    factor = 1;
+    b.misses = false;
+    b.mirror = signsOf(direction);
+    const Quad inverse =
+        allQuad(1.0) / withSignOf(larger(size, allQuad(kSmallestOrdinary)), direction);
+    store(inverses, inverse);
+    b.limits = limitsOf(tree.scale, 0);
+    setPlanes(b, origin, inverse, 0);
 }
 
 /// A BoxRay in registers.
@@ -189,46 +224,43 @@ inline F32 row(const Node& node, std::uintptr_t offset) {
     const F32 fx = productMinus(row(node, ray.nearX ^ kRow), ray.inverseX, ray.leaveX);
     const F32 fy = productMinus(row(node, ray.nearY ^ kRow), ray.inverseY, ray.leaveY);
     const F32 fz = productMinus(row(node, ray.nearZ ^ kRow), ray.inverseZ, ray.leaveZ);
-    enter = larger(larger(nx, ny), larger(nz, all(0.0f)));
-    return bitsLessEqual(enter, smaller(smaller(fx, fy), smaller(fz, limit)));
+    // `enter` is not negative. Where the other is, its bits still are the smaller integer.
+    enter = largerBits(largerBits(nx, ny), largerBits(nz, all(0.0f)));
+    return lessEqualBits(enter, smallerBits(smallerBits(fx, fy), smallerBits(fz, limit)));
 }
 
 /// geometry::RayFrame of this ray.
 struct Frame {
-    double origin[3], direction[3];
+    alignas(32) double origin[4], direction[4]; // [3]: unused
     int kx, ky, kz;
     double ox, oy, oz; // origin[kx] and so on
     double shearX, shearY, shearZ;
     double squared, inverseSquared;
 };
 
+/// `inverses`, `factor`: setUpBoxRay's.
 [[gnu::always_inline]] inline Frame frameOf(const TreeView& tree, const Ray& ray,
-                                            const Normalized& n, const double inverses[4]) {
+                                            const double inverses[4], double factor) {
     Frame f;
-    f.origin[0] = ray.origin.x;
-    f.origin[1] = ray.origin.y;
-    f.origin[2] = ray.origin.z;
-    f.direction[0] = ray.direction.x;
-    f.direction[1] = ray.direction.y;
-    f.direction[2] = ray.direction.z;
-    const double x = absolute(f.direction[0]), y = absolute(f.direction[1]),
-                 z = absolute(f.direction[2]);
+    const double *const o = &ray.origin.x, *const d = &ray.direction.x;
+    const Quad direction = loadQuad(d);
+    store(f.origin, loadQuad(o));
+    store(f.direction, direction);
     // The same axis as geometry::frameOf, without a branch.
     static constexpr std::uint8_t kAxis[8] = {2, 2, 2, 0, 1, 2, 1, 0};
     static constexpr std::uint8_t kNext[3] = {1, 2, 0}, kAfter[3] = {2, 0, 1};
-    f.kz = kAxis[(x > y) | (x > z) << 1 | (y > z) << 2];
+    f.kz = kAxis[orderOfSizes(magnitude(direction))];
     f.kx = kNext[f.kz];
     f.ky = kAfter[f.kz];
-    f.ox = (&ray.origin.x)[f.kx];
-    f.oy = (&ray.origin.x)[f.ky];
-    f.oz = (&ray.origin.x)[f.kz];
+    f.ox = o[f.kx];
+    f.oy = o[f.ky];
+    f.oz = o[f.kz];
     // 1 / d, since scaling by a power of two rounds nothing (unless 1 / d is subnormal or infinite).
-    f.shearZ = inverses[f.kz] * n.factor;
-    f.shearX = f.direction[f.kx] * f.shearZ;
-    f.shearY = f.direction[f.ky] * f.shearZ;
+    f.shearZ = inverses[f.kz] * factor;
+    f.shearX = d[f.kx] * f.shearZ;
+    f.shearY = d[f.ky] * f.shearZ;
     if (tree.hasSpheres) {
-        f.squared = (f.direction[0] * f.direction[0] + f.direction[1] * f.direction[1]) +
-                    f.direction[2] * f.direction[2];
+        f.squared = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
         f.inverseSquared = 1 / f.squared;
     }
     return f;
@@ -621,12 +653,12 @@ closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, con
 template <bool kCount>
 [[gnu::always_inline]] inline void
 closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanes& lanes,
-            const Order& order, double perT, double shift, const Frame& f, std::uint32_t exclude,
+            const Order& order, const Limits& limits, const Frame& f, std::uint32_t exclude,
             Best& best, Visits* visits) {
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
     std::size_t top = 0;
-    float limit = boxLimit(perT, shift, best.t);
+    float limit = limitOf(limits, best.t);
     for (;;) {
         if (!(current & kLeaf)) {
             const Node& node = tree.nodes[current];
@@ -638,7 +670,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const B
                 continue;
             }
         } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {
-            limit = boxLimit(perT, shift, best.t);
+            limit = limitOf(limits, best.t);
         }
         do {
             if (top == 0) return;
@@ -657,17 +689,17 @@ inline void answer(const Best& best, Hit* hit) {
 
 template <bool kCount>
 inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
-    alignas(32) double inverses[4];
-    const Normalized n = normalized(ray);
-    const BoxRay box = boxRayOf(tree, ray, n, inverses);
-    const Frame f = frameOf(tree, ray, n, inverses);
+    alignas(32) double inverses[4], factor;
+    BoxRay box;
+    setUpBoxRay(tree, ray, box, inverses, factor);
+    const Frame f = frameOf(tree, ray, inverses, factor);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, nullptr};
     if (tree.hasUnbounded)
         closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
     if (!tree.nodes || box.misses) return answer(best, hit);
-    closestFrom<kCount>(tree, 0, ray, lanesOf(box), orderOf(box.mirror), box.perT, box.shift, f,
-                        exclude, best, visits);
+    closestFrom<kCount>(tree, 0, ray, lanesOf(box), orderOf(box.mirror), box.limits, f, exclude,
+                        best, visits);
     answer(best, hit);
 }
 
@@ -783,17 +815,17 @@ anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLa
 
 template <bool kCount>
 inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
-    alignas(32) double inverses[4];
-    const Normalized n = normalized(ray);
-    const BoxRay box = boxRayOf(tree, ray, n, inverses);
-    const Frame f = frameOf(tree, ray, n, inverses);
+    alignas(32) double inverses[4], factor;
+    BoxRay box;
+    setUpBoxRay(tree, ray, box, inverses, factor);
+    const Frame f = frameOf(tree, ray, inverses, factor);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
     if (tree.hasUnbounded &&
         anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
         return true;
     if (!tree.nodes || box.misses) return false;
-    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), boxLimit(box.perT, box.shift, ray.tMax), f,
+    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), limitOf(box.limits, ray.tMax), f,
                            exclude, last, visits);
 }
 
@@ -876,16 +908,16 @@ inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Fram
 template <bool kCount>
 inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSink& sink,
                           Visits* visits) {
-    alignas(32) double inverses[4];
-    const Normalized n = normalized(ray);
-    const BoxRay box = boxRayOf(tree, ray, n, inverses);
-    const Frame f = frameOf(tree, ray, n, inverses);
+    alignas(32) double inverses[4], factor;
+    BoxRay box;
+    setUpBoxRay(tree, ray, box, inverses, factor);
+    const Frame f = frameOf(tree, ray, inverses, factor);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
     if (!tree.nodes || box.misses) return true;
     const BoxLanes lanes = lanesOf(box);
-    const F32 limit = all(boxLimit(box.perT, box.shift, ray.tMax));
+    const F32 limit = all(limitOf(box.limits, ray.tMax));
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
     std::uint32_t current = 0;

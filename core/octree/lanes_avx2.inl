@@ -63,6 +63,20 @@ inline F32 load(const float* p) { return {_mm256_load_ps(p)}; }
 inline F32 all(float x) { return {_mm256_set1_ps(x)}; }
 inline F32 smaller(F32 a, F32 b) { return {_mm256_min_ps(a.v, b.v)}; }
 inline F32 larger(F32 a, F32 b) { return {_mm256_max_ps(a.v, b.v)}; }
+/// By the integers that their bits are: right where not both are negative, and faster.
+inline F32 smallerBits(F32 a, F32 b) {
+    return {_mm256_castsi256_ps(
+        _mm256_min_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+}
+inline F32 largerBits(F32 a, F32 b) {
+    return {_mm256_castsi256_ps(
+        _mm256_max_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+}
+inline unsigned lessEqualBits(F32 a, F32 b) {
+    return ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
+               _mm256_cmpgt_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v))))) &
+           255;
+}
 inline F32 productMinus(F32 a, F32 b, F32 c) { return {_mm256_fmsub_ps(a.v, b.v, c.v)}; }
 inline unsigned bitsLessEqual(F32 a, F32 b) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)));
@@ -211,6 +225,19 @@ inline Quad withSignOf(Quad magnitudes, Quad signs) {
 }
 inline Quad withFourth(Quad a, double x) { return {_mm256_blend_pd(a.v, _mm256_set1_pd(x), 8)}; }
 inline unsigned signsOf(Quad a) { return static_cast<unsigned>(_mm256_movemask_pd(a.v)) & 7; }
+inline unsigned bitsLessEqual(Quad a, Quad b) {
+    return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_LE_OQ)));
+}
+/// Bit 0: x > y; 1: x > z; 2: y > z.
+inline unsigned orderOfSizes(Quad a) {
+    return static_cast<unsigned>(_mm256_movemask_pd(
+               _mm256_cmp_pd(_mm256_permute4x64_pd(a.v, 0b010000),
+                             _mm256_permute4x64_pd(a.v, 0b101001), _CMP_GT_OQ))) &
+           7;
+}
+inline double productPlus(double a, double b, double c) { return __builtin_fma(a, b, c); }
+/// 0 for NaN.
+inline float notNegative(float x) { return x > 0 ? x : 0; }
 inline void storeNarrow(float* p, Quad a) { _mm_store_ps(p, _mm256_cvtpd_ps(a.v)); }
 
 /// Visiting order of a ray: far slots first.

@@ -88,6 +88,10 @@ inline unsigned bitsLessEqual(F32 x, F32 y) {
                                  _mm_movemask_ps(_mm_cmple_ps(x.b, y.b)) << 4);
 }
 
+inline F32 smallerBits(F32 x, F32 y) { return smaller(x, y); }
+inline F32 largerBits(F32 x, F32 y) { return larger(x, y); }
+inline unsigned lessEqualBits(F32 x, F32 y) { return bitsLessEqual(x, y); }
+
 inline F64 magnitude(F64 x) {
     const __m128d sign = _mm_set1_pd(-0.0);
     return {_mm_andnot_pd(sign, x.a), _mm_andnot_pd(sign, x.b), _mm_andnot_pd(sign, x.c),
@@ -246,6 +250,19 @@ inline Quad withFourth(Quad x, double y) { return {x.a, _mm_unpacklo_pd(x.b, _mm
 inline unsigned signsOf(Quad x) {
     return static_cast<unsigned>(_mm_movemask_pd(x.a) | _mm_movemask_pd(x.b) << 2) & 7;
 }
+inline unsigned bitsLessEqual(Quad x, Quad y) {
+    return static_cast<unsigned>(_mm_movemask_pd(_mm_cmple_pd(x.a, y.a)) |
+                                 _mm_movemask_pd(_mm_cmple_pd(x.b, y.b)) << 2);
+}
+/// Bit 0: x > y; 1: x > z; 2: y > z.
+inline unsigned orderOfSizes(Quad q) {
+    const __m128d xx = _mm_unpacklo_pd(q.a, q.a), yz = _mm_shuffle_pd(q.a, q.b, 1);
+    return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpgt_pd(xx, yz)) |
+                                 _mm_comigt_sd(_mm_unpackhi_pd(q.a, q.a), q.b) << 2);
+}
+inline double productPlus(double x, double y, double z) { return x * y + z; }
+/// 0 for NaN.
+inline float notNegative(float x) { return x > 0 ? x : 0; }
 inline void storeNarrow(float* p, Quad x) {
     _mm_store_ps(p, _mm_movelh_ps(_mm_cvtpd_ps(x.a), _mm_cvtpd_ps(x.b)));
 }
