@@ -1,6 +1,6 @@
 // What the f32 part of a leaf test may conclude.
 
-/// The f32 edge functions of candidates() rule a triangle out only when two of them have opposite signs
+/// The f32 edge functions of ruledIn() rule a triangle out only when two of them have opposite signs
 /// for certain. Coordinates, brought to octree scale by a power of two, are rounded by u = 2^-24 each,
 /// the two products and the difference once more: with m the largest coordinate an edge function is
 /// off by at most 2m²·((1 + u)⁴ − 1) <= 8.1u·m². Scaled coordinates below 2^-126 and products below

@@ -342,11 +342,6 @@ inline bool isBetter(double t, const std::uint32_t* id, const Best& best) {
     return t < best.t || (best.id && *id < *best.id);
 }
 
-/// Corners of a shared block as f64 memory, for the lanes that are solved one by one.
-struct alignas(64) SharedArray {
-    double x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
-};
-
 inline const std::uint32_t* idsOf(const TreeView&, const SharedBlock& block) { return block.id; }
 inline const std::uint32_t* idsOf(const TreeView& tree, const NarrowSharedBlock& block) {
     return tree.narrowIds + block.ids;
@@ -368,15 +363,6 @@ template <class Block>
     return c;
 }
 
-inline void store(SharedArray& to, const SharedCorners& c) {
-    store(to.x, c.x0);
-    store(to.x + kLanes, c.x1);
-    store(to.y, c.y0);
-    store(to.y + kLanes, c.y1);
-    store(to.z, c.z0);
-    store(to.z + kLanes, c.z1);
-}
-
 struct Solved {
     double t, u, v;
     bool touches;
@@ -387,17 +373,17 @@ template <class Block>
 [[gnu::always_inline]] inline bool solveShared(const Frame& f, const Block& block,
                                                const SharedArray& p, int lane, double limit,
                                                Solved& s) {
-    const int a = block.index[0][lane], b = block.index[1][lane], c = block.index[2][lane];
-    const double u = p.x[c] * p.y[b] - p.y[c] * p.x[b], v = p.x[a] * p.y[c] - p.y[a] * p.x[c],
-                 w = p.x[b] * p.y[a] - p.y[b] * p.x[a];
-    if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return false;
-    const double determinant = (u + v) + w;
+    const OneEdges e = edgesAt(p, block, lane);
+    if (!e.areInside) return false;
+    const double determinant = (e.u + e.v) + e.w;
     if (!(determinant != 0)) return false;
     const double inverse = 1 / determinant;
-    s.u = v * inverse;
-    s.v = w * inverse;
-    s.t = f.shearZ * (p.z[a] + (s.u * (p.z[b] - p.z[a]) + s.v * (p.z[c] - p.z[a])));
-    s.touches = u == 0 || v == 0 || w == 0;
+    const double a = p.z[block.index[0][lane]], b = p.z[block.index[1][lane]],
+                 c = p.z[block.index[2][lane]];
+    s.u = e.v * inverse;
+    s.v = e.w * inverse;
+    s.t = f.shearZ * (a + (s.u * (b - a) + s.v * (c - a)));
+    s.touches = e.u == 0 || e.v == 0 || e.w == 0;
     return s.t > 0 && s.t <= limit;
 }
 
@@ -406,10 +392,9 @@ template <class Block>
                                                    const Frame& f, std::uint32_t exclude,
                                                    Best& best) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, tree.scale);
-    if (!lanes) return false;
     SharedArray p;
-    store(p, corners);
+    unsigned lanes = candidates(block, corners, tree.scale, p);
+    if (!lanes) return false;
     bool better = false;
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
@@ -432,10 +417,9 @@ template <class Block>
                                                const Frame& f, std::uint32_t exclude,
                                                double limit) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, tree.scale);
-    if (!lanes) return false;
     SharedArray p;
-    store(p, corners);
+    unsigned lanes = candidates(block, corners, tree.scale, p);
+    if (!lanes) return false;
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         Solved s;
@@ -448,10 +432,9 @@ template <class Block>
 inline bool crossShared(const TreeView& tree, const Block& block, const Frame& f,
                         std::uint32_t exclude, double last, const CrossingSink& sink) {
     const SharedCorners corners = shearShared(f, block);
-    unsigned lanes = candidates(block, corners, tree.scale);
-    if (!lanes) return true;
     SharedArray p;
-    store(p, corners);
+    unsigned lanes = candidates(block, corners, tree.scale, p);
+    if (!lanes) return true;
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         Solved s;

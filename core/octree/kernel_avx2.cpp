@@ -11,6 +11,8 @@ namespace {
 
 #include "lanes_avx2.inl"
 
+#include "shared_filtered.inl"
+
 #include "kernel.inl"
 
 #include "bundle.inl"

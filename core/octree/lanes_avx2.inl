@@ -315,7 +315,7 @@ inline __m256 narrowed(F64 a, double scale) {
 
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
 template <class Block>
-[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& c,
+[[gnu::always_inline]] inline unsigned ruledIn(const Block& block, const SharedCorners& c,
                                                   double scale) {
     const __m256 x0 = narrowed(c.x0, scale), x1 = narrowed(c.x1, scale);
     const __m256 y0 = narrowed(c.y0, scale), y1 = narrowed(c.y1, scale);

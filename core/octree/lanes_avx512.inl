@@ -218,39 +218,58 @@ struct SharedCorners {
     F64 x0, x1, y0, y1, z0, z1;
 };
 
-/// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
+/// Edge functions of one triangle.
+struct OneEdges {
+    double u, v, w;
+    bool areInside;
+};
+
+/// What is left to do for the triangles that candidates() returns, one by one.
+struct alignas(64) SharedArray {
+    double u[kSharedLanes], v[kSharedLanes], w[kSharedLanes]; // edge functions, by triangle
+    double z[kSharedLanes];                                   // by corner
+};
+
+/// Triangles of a shared block that the ray's line meets: their f64 edge functions agree in sign. 16 at once
+/// cost no more than an f32 filter of them (octree_bench, bunny, Xeon with AVX-512: 4 % faster).
 template <class Block>
-[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& c,
-                                                  double scale) {
-    const __m512d s = _mm512_set1_pd(scale);
-    const __m512 x =
-        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.x0.v, s))),
-                           _mm512_cvtpd_ps(_mm512_mul_pd(c.x1.v, s)), 1);
-    const __m512 y =
-        _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_mul_pd(c.y0.v, s))),
-                           _mm512_cvtpd_ps(_mm512_mul_pd(c.y1.v, s)), 1);
-    const auto indices = [&](int corner) {
-        return _mm512_cvtepu8_epi32(
-            _mm_load_si128(reinterpret_cast<const __m128i*>(block.index[corner])));
-    };
-    const __m512i a = indices(0), b = indices(1), d = indices(2);
-    const __m512 ax = _mm512_permutexvar_ps(a, x), ay = _mm512_permutexvar_ps(a, y);
-    const __m512 bx = _mm512_permutexvar_ps(b, x), by = _mm512_permutexvar_ps(b, y);
-    const __m512 cx = _mm512_permutexvar_ps(d, x), cy = _mm512_permutexvar_ps(d, y);
-    const __m512 u = _mm512_fmsub_ps(cx, by, _mm512_mul_ps(cy, bx));
-    const __m512 v = _mm512_fmsub_ps(ax, cy, _mm512_mul_ps(ay, cx));
-    const __m512 w = _mm512_fmsub_ps(bx, ay, _mm512_mul_ps(by, ax));
-    constexpr int kLargestMagnitude = 0b1011;
-    const __m512 m = _mm512_range_ps(_mm512_range_ps(_mm512_range_ps(ax, ay, kLargestMagnitude),
-                                                     _mm512_range_ps(bx, by, kLargestMagnitude),
-                                                     kLargestMagnitude),
-                                     _mm512_range_ps(cx, cy, kLargestMagnitude), kLargestMagnitude);
-    const __m512 bound = _mm512_fmadd_ps(_mm512_mul_ps(_mm512_set1_ps(kFilterBound), m), m,
-                                         _mm512_set1_ps(kFilterUnderflow));
-    const __m512 least = _mm512_min_ps(_mm512_min_ps(u, v), w);
-    const __m512 most = _mm512_max_ps(_mm512_max_ps(u, v), w);
-    const unsigned out =
-        _mm512_cmp_ps_mask(_mm512_add_ps(least, bound), _mm512_setzero_ps(), _CMP_LT_OQ) &
-        _mm512_cmp_ps_mask(most, bound, _CMP_GT_OQ);
-    return block.valid & ~out;
+[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& corners,
+                                                  double, SharedArray& to) {
+    F64 u[2], v[2], w[2];
+    unsigned in = block.valid;
+    for (int half = 0; half < 2; ++half) {
+        const auto indices = [&](int corner) {
+            return _mm512_cvtepu8_epi64(_mm_loadl_epi64(
+                reinterpret_cast<const __m128i*>(block.index[corner] + kLanes * half)));
+        };
+        const __m512i a = indices(0), b = indices(1), c = indices(2);
+        const auto x = [&](__m512i i) -> F64 {
+            return {_mm512_permutex2var_pd(corners.x0.v, i, corners.x1.v)};
+        };
+        const auto y = [&](__m512i i) -> F64 {
+            return {_mm512_permutex2var_pd(corners.y0.v, i, corners.y1.v)};
+        };
+        u[half] = x(c) * y(b) - y(c) * x(b);
+        v[half] = x(a) * y(c) - y(a) * x(c);
+        w[half] = x(b) * y(a) - y(b) * x(a);
+        const F64 least = smaller(smaller(u[half], v[half]), w[half]),
+                  most = larger(larger(u[half], v[half]), w[half]);
+        const unsigned out =
+            _mm512_mask_cmp_pd_mask(least < all(0.0), most.v, all(0.0).v, _CMP_GT_OQ);
+        in &= ~(out << (kLanes * half));
+    }
+    if (!in) return 0;
+    for (int half = 0; half < 2; ++half) {
+        store(to.u + kLanes * half, u[half]);
+        store(to.v + kLanes * half, v[half]);
+        store(to.w + kLanes * half, w[half]);
+    }
+    store(to.z, corners.z0);
+    store(to.z + kLanes, corners.z1);
+    return in;
+}
+
+template <class Block>
+[[gnu::always_inline]] inline OneEdges edgesAt(const SharedArray& p, const Block&, int lane) {
+    return {p.u[lane], p.v[lane], p.w[lane], true};
 }

@@ -320,23 +320,8 @@ struct SharedCorners {
     F64 x0, x1, y0, y1, z0, z1;
 };
 
-/// Triangles of a shared block whose edge functions do not rule them out. Without permutations f32
-/// would gain nothing: the corners are fetched one by one.
+/// Without permutations an f32 filter would gain nothing.
 template <class Block>
-[[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& c,
-                                                  double) {
-    alignas(16) double x[kSharedLanes], y[kSharedLanes];
-    store(x, c.x0);
-    store(x + kLanes, c.x1);
-    store(y, c.y0);
-    store(y + kLanes, c.y1);
-    unsigned in = 0;
-    for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
-        const int a = block.index[0][i], b = block.index[1][i], d = block.index[2][i];
-        const double u = x[d] * y[b] - y[d] * x[b], v = x[a] * y[d] - y[a] * x[d],
-                     w = x[b] * y[a] - y[b] * x[a];
-        if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) in |= 1u << i;
-    }
-    return in;
+inline unsigned ruledIn(const Block& block, const SharedCorners&, double) {
+    return block.valid;
 }
