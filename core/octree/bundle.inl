@@ -479,13 +479,16 @@ template <bool kAny>
                   dz = load(b.direction[2] + at);
         const F64 squared = load(b.squared + at), inverseSquared = load(b.inverseSquared + at);
         for (unsigned i = 0; i < count; ++i) {
-            const F64 r = all(block.radius[i]);
-            F64 t0, t1;
-            const Mask met = meetSphere(all(block.center[0][i]) - ox, all(block.center[1][i]) - oy,
-                                        all(block.center[2][i]) - oz, dx, dy, dz, squared,
-                                        inverseSquared, r, t0, t1);
-            if (!bits(met)) continue;
-            result |= take<kAny, false>(b, at, met, select(t0 > all(0.0), t0, t1), all(0.0),
+            const SphereLines s = sphereLines(
+                all(block.center[0][i]) - ox, all(block.center[1][i]) - oy,
+                all(block.center[2][i]) - oz, dx, dy, dz, inverseSquared, all(block.radius[i]));
+            if (!bits(s.met)) continue;
+            const F64 root = squareRoot(
+                select(s.within, s.b * s.b - squared * s.c, squared * s.discriminant));
+            const F64 q = select(s.b < all(0.0), s.b - root, s.b + root);
+            const F64 ta = s.c / q, tb = q * inverseSquared;
+            const F64 t0 = smaller(ta, tb), t1 = larger(ta, tb);
+            result |= take<kAny, false>(b, at, s.met, select(t0 > all(0.0), t0, t1), all(0.0),
                                         all(0.0), block.id[i]);
         }
     }

@@ -20,41 +20,13 @@ struct alignas(64) Walk {
     float enters[kStackSize];
 };
 
-inline void fetch(const void* from, std::size_t bytes) {
-    for (std::size_t at = 0; at < bytes; at += 64)
-        _mm_prefetch(static_cast<const char*>(from) + at, _MM_HINT_T0);
-}
-
 /// Asks for what `reference` is of, unless it is one of the first nodes, which are in use all the time.
 inline bool fetch(const TreeView& tree, std::uint32_t reference) {
-    if (!(reference & kLeaf)) {
-        if (reference < tree.hotNodes) return false;
-        fetch(tree.nodes + reference, sizeof(Node));
-        return true;
-    }
-    const std::uint32_t index = reference & kLeafIndex;
-    switch (reference >> kLeafKindShift & 7) {
-    case kSharedLeaf:
-        fetch(tree.shared + index, sizeof(SharedBlock));
-        break;
-    case kNarrowSharedLeaf:
-        fetch(tree.narrowShared + index, sizeof(NarrowSharedBlock));
-        break;
-    case kNarrowTriangleLeaf:
-        fetch(tree.narrowTriangles + index, sizeof(NarrowTriangleBlock));
-        break;
-    case kTriangleLeaf:
-        fetch(tree.triangles + index, sizeof(TriangleBlock));
-        break;
-    case kSphereLeaf:
-        fetch(tree.spheres + index, sizeof(SphereBlock));
-        break;
-    case kParallelogramLeaf:
-        fetch(tree.parallelograms + index, sizeof(ParallelogramBlock));
-        break;
-    default:
-        fetch(tree.records + index, sizeof(LeafRecord));
-    }
+    if (reference < tree.hotNodes) return false;
+    const TreeView::Place& place = tree.places[reference >> kLeafKindShift];
+    const char* const from =
+        static_cast<const char*>(place.first) + (reference & kLeafIndex) * place.size;
+    for (std::size_t at = 0; at < place.size; at += 64) _mm_prefetch(from + at, _MM_HINT_T0);
     return true;
 }
 

@@ -465,38 +465,57 @@ inline unsigned hitParallelograms(const ParallelogramBlock& block, const Frame& 
     return lanes;
 }
 
-/// The two parameters of the lines that meet the spheres. f: from the origins to the centres.
-inline Mask meetSphere(F64 fx, F64 fy, F64 fz, F64 dx, F64 dy, F64 dz, F64 squared,
-                       F64 inverseSquared, F64 r, F64& t0, F64& t1) {
-    const F64 b = (fx * dx + fy * dy) + fz * dz;
-    const F64 k = b * inverseSquared;
+/// Lines against spheres: what their two parameters follow from.
+struct SphereLines {
+    F64 b, c, discriminant;
+    Mask within; // the ray starts inside
+    Mask met;    // a tangent passes by
+};
+
+/// f: from the origins to the centres.
+inline SphereLines sphereLines(F64 fx, F64 fy, F64 fz, F64 dx, F64 dy, F64 dz, F64 inverseSquared,
+                               F64 r) {
+    SphereLines s;
+    s.b = (fx * dx + fy * dy) + fz * dz;
+    const F64 k = s.b * inverseSquared;
     const F64 lx = fx - k * dx, ly = fy - k * dy, lz = fz - k * dz;
     const F64 r2 = r * r;
-    const F64 discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
-    const F64 c = ((fx * fx + fy * fy) + fz * fz) - r2;
-    const Mask within = c < all(0.0), met = either(within, discriminant > all(0.0));
-    if (!bits(met)) return met;
-    const F64 root = squareRoot(select(within, b * b - squared * c, squared * discriminant));
-    const F64 q = select(b < all(0.0), b - root, b + root);
-    const F64 ta = c / q, tb = q * inverseSquared;
-    t0 = smaller(ta, tb);
-    t1 = larger(ta, tb);
-    return met;
+    s.discriminant = r2 - ((lx * lx + ly * ly) + lz * lz);
+    s.c = ((fx * fx + fy * fy) + fz * fz) - r2;
+    s.within = s.c < all(0.0);
+    s.met = either(s.within, s.discriminant > all(0.0));
+    return s;
 }
 
-inline Mask meetSpheres(const SphereBlock& block, const Frame& f, F64& t0, F64& t1) {
-    return meetSphere(
+/// The spheres of a block that a ray may hit, for hitSphere(): one by one, since there is seldom a second
+/// one and two roots and divisions of 8 lanes take longer.
+struct alignas(64) SphereArray {
+    double b[kLanes], c[kLanes], discriminant[kLanes];
+};
+
+inline unsigned meetSpheres(const SphereBlock& block, const Frame& f, SphereArray& to) {
+    const SphereLines s = sphereLines(
         load(block.center[0]) - all(f.origin[0]), load(block.center[1]) - all(f.origin[1]),
         load(block.center[2]) - all(f.origin[2]), all(f.direction[0]), all(f.direction[1]),
-        all(f.direction[2]), all(f.squared), all(f.inverseSquared), load(block.radius), t0, t1);
+        all(f.direction[2]), all(f.inverseSquared), load(block.radius));
+    // A ray that starts outside and points away has both parameters behind it.
+    const unsigned lanes = bits(both(s.met, either(s.within, s.b >= all(0.0))));
+    if (!lanes) return 0;
+    store(to.b, s.b);
+    store(to.c, s.c);
+    store(to.discriminant, s.discriminant);
+    return lanes;
 }
 
-inline unsigned hitSpheres(const SphereBlock& block, const Frame& f, double limit, F64& t) {
-    F64 t0, t1;
-    const Mask met = meetSpheres(block, f, t0, t1);
-    if (!bits(met)) return 0;
-    t = select(t0 > all(0.0), t0, t1);
-    return bits(both(met, both(t > all(0.0), t <= all(limit))));
+/// Both parameters of one of them: geometry::intersectSphereLine.
+inline void hitSphere(const SphereArray& s, const Frame& f, int lane, double& t0, double& t1) {
+    const double b = s.b[lane], c = s.c[lane];
+    const double root = __builtin_sqrt(c < 0 ? b * b - f.squared * c
+                                             : f.squared * s.discriminant[lane]);
+    const double q = b < 0 ? b - root : b + root;
+    const double ta = c / q, tb = q * f.inverseSquared;
+    t0 = ta < tb ? ta : tb;
+    t1 = ta > tb ? ta : tb;
 }
 
 inline bool takeBest(unsigned lanes, const LaneArray& t, const LaneArray& u, const LaneArray& v,
@@ -545,13 +564,18 @@ template <class Block>
 }
 
 [[gnu::noinline]] bool closestInSpheres(const SphereBlock& block, const Frame& f, Best& best) {
-    F64 s;
-    const unsigned lanes = hitSpheres(block, f, best.t, s);
-    if (!lanes) return false;
-    LaneArray t;
-    constexpr LaneArray kZero{};
-    store(t.at, s);
-    return takeBest(lanes, t, kZero, kZero, block.id, best);
+    SphereArray spheres;
+    bool better = false;
+    for (unsigned lanes = meetSpheres(block, f, spheres); lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        double t0, t1;
+        hitSphere(spheres, f, i, t0, t1);
+        const double t = t0 > 0 ? t0 : t1;
+        if (!(t > 0 && t <= best.t) || !isBetter(t, block.id + i, best)) continue;
+        best = {t, 0, 0, block.id + i};
+        better = true;
+    }
+    return better;
 }
 
 inline bool closestInRun(const TreeView& tree, const CustomRun& run, const Ray& ray, Best& best) {
@@ -632,6 +656,14 @@ closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, con
     }
 }
 
+/// Asks for the first lines of what `reference` is of.
+inline void fetchSome(const TreeView& tree, std::uint32_t reference) {
+    const TreeView::Place& place = tree.places[reference >> kLeafKindShift];
+    const char* const from =
+        static_cast<const char*>(place.first) + (reference & kLeafIndex) * place.size;
+    for (int at = 0; at < 256; at += 64) _mm_prefetch(from + at, _MM_HINT_T0);
+}
+
 /// Goes on with `best` below one node or leaf.
 template <bool kCount>
 [[gnu::always_inline]] inline void
@@ -641,6 +673,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const B
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
     std::size_t top = 0;
+    references[0] = current;
     float limit = limitOf(limits, best.t);
     for (;;) {
         if (!(current & kLeaf)) {
@@ -650,6 +683,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const B
             const unsigned mask = meets(node, lanes, all(limit), enter);
             if (mask) {
                 current = pushFar(order, node, enter, mask, references, enters, top);
+                fetchSome(tree, references[top - (top != 0)]); // comes after `current`
                 continue;
             }
         } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {
@@ -702,8 +736,14 @@ template <class Block>
 }
 
 [[gnu::noinline]] bool anyInSpheres(const SphereBlock& block, const Frame& f, double limit) {
-    F64 t;
-    return hitSpheres(block, f, limit, t);
+    SphereArray spheres;
+    for (unsigned lanes = meetSpheres(block, f, spheres); lanes; lanes &= lanes - 1) {
+        double t0, t1;
+        hitSphere(spheres, f, __builtin_ctz(lanes), t0, t1);
+        const double t = t0 > 0 ? t0 : t1;
+        if (t > 0 && t <= limit) return true;
+    }
+    return false;
 }
 
 template <bool kCount>
@@ -854,15 +894,15 @@ template <bool kCount>
 inline bool crossSpheres(const SphereBlock& block, const Frame& f, double last,
                          const CrossingSink& sink, Visits* visits) {
     if (kCount) visits->spheres += lanesInUse(block.id);
-    F64 t0, t1;
-    const Mask met = meetSpheres(block, f, t0, t1);
-    if (!bits(met)) return true;
-    LaneArray first, second;
-    store(first.at, t0);
-    store(second.at, t1);
-    const unsigned in0 = bits(both(met, both(t0 > all(0.0), t0 <= all(last))));
-    const unsigned in1 = bits(both(met, both(t1 > all(0.0), t1 <= all(last))));
-    return addAll(in0, 0, first, block.id, sink) && addAll(in1, 0, second, block.id, sink);
+    SphereArray spheres;
+    for (unsigned lanes = meetSpheres(block, f, spheres); lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        double t[2];
+        hitSphere(spheres, f, i, t[0], t[1]);
+        for (const double at : t)
+            if (at > 0 && at <= last && !sink.add(sink.context, at, block.id[i])) return false;
+    }
+    return true;
 }
 
 template <bool kCount>

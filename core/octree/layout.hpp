@@ -134,6 +134,11 @@ struct TreeView {
     const std::uint32_t* customPrimitives;
     const std::uint32_t* customIds;
     const geometry::Primitives* primitives;
+    struct Place {
+        const void* first;
+        std::size_t size; // of one
+    };
+    Place places[16]; // where a reference leads, by its upper four bits; for prefetching
     double center[4]; // [3]: 0
     double scale;
     bool hasSpheres, hasUnbounded;

@@ -178,6 +178,17 @@ void Octree::Impl::bind(const Primitives& to) {
     view.customPrimitives = tree.customPrimitives.data();
     view.customIds = tree.customIds.data();
     view.primitives = &to;
+    const auto place = [](const auto& array) {
+        return TreeView::Place{array.data(), sizeof array[0]};
+    };
+    for (int i = 0; i < 8; ++i) view.places[i] = place(tree.nodes);
+    view.places[8 + kSharedLeaf] = place(tree.shared);
+    view.places[8 + kTriangleLeaf] = place(tree.triangles);
+    view.places[8 + kNarrowSharedLeaf] = place(tree.narrowShared);
+    view.places[8 + kNarrowTriangleLeaf] = place(tree.narrowTriangles);
+    view.places[8 + kSphereLeaf] = place(tree.spheres);
+    view.places[8 + kParallelogramLeaf] = place(tree.parallelograms);
+    view.places[8 + kMixedLeaf] = place(tree.records);
     view.unbounded = tree.unbounded;
     view.hotNodes = tree.hotNodes;
     view.isLarge = tree.bytes() > kLargeTree;
