@@ -62,7 +62,8 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     static_assert(sizeof(Ray) == 8 * sizeof(double) && __builtin_offsetof(Ray, origin) == 0 &&
                   __builtin_offsetof(Ray, tMax) == 3 * sizeof(double) &&
                   __builtin_offsetof(Ray, direction) == 4 * sizeof(double));
-    enum { kOrigin = 0, kTMax = 3, kDirection = 4 };
+    static_assert(__builtin_offsetof(Ray, exclude) == 7 * sizeof(double));
+    enum { kOrigin = 0, kTMax = 3, kDirection = 4, kExclude = 7 };
     F64 column[2][8];
     transpose(rays, column[0]);
     transpose(rays + kLanes, column[1]);
@@ -100,7 +101,7 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     b.ky = b.kx == 2 ? 0 : b.kx + 1;
 
     alignas(64) double moved[3][kRays], inverse[3][kRays], extra[kRays];
-    unsigned isNear = 0xFFFF;
+    unsigned isNear = 0xFFFF, excludesNothing = 0xFF;
     for (int g = 0; g < 2; ++g) {
         const int at = g * kLanes;
         for (int axis = 0; axis < 3; ++axis) {
@@ -114,12 +115,16 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             isNear &= bits(magnitude(scaled) <= all(kNear)) << at | 0xFF00u >> at;
         }
         const F64 perT = all(tree.scale) * power[g];
-        store(b.limitFactor + at,
-              select(perT > all(kLeastScale), perT, all(__builtin_inf())) *
-                  all((1 + kLimitSlack) * (1 + kLimitSlackF32)));
+        store(b.limitFactor + at, select(perT > all(kLeastScale), perT, all(__builtin_inf())) *
+                                      all((1 + kLimitSlack) * (1 + kLimitSlackF32)));
         store(b.limitOffset + at, all(kLeastLimit));
         store(extra + at, all(0.0));
         store(b.t + at, column[g][kTMax]);
+        store(b.u + at, all(0.0));
+        store(b.v + at, all(0.0));
+        storeLowWords(b.id + at, all(0.0));
+        storeLowWords(b.exclude + at, column[g][kExclude]);
+        excludesNothing &= bitsEqual(b.exclude + at, 0xFFFFFFFFu);
         const F64 shearZ = load(inverse[b.kz] + at) * factor[g];
         store(b.shearZ + at, shearZ);
         store(b.shearX + at, column[g][kDirection + b.kx] * shearZ);
@@ -155,13 +160,9 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         if (extra[i] > mostExtra) mostExtra = extra[i];
         for (int axis = 0; axis < 3; ++axis) moved[axis][i] = at[axis];
     }
-    b.excludes = false;
-    for (int i = 0; i < kRays; ++i) {
-        b.exclude[i] = static_cast<std::uint32_t>(rays[i].exclude);
-        b.excludes |= b.exclude[i] != 0xFFFFFFFFu;
-        b.id[i] = 0;
-        b.cap[i] = b.active >> i & 1 ? __builtin_inff() : -1.0f;
-    }
+    b.excludes = excludesNothing != 0xFF;
+    store(b.cap, allWide(__builtin_inff()));
+    for (unsigned out = ~b.active & 0xFFFF; out; out &= out - 1) b.cap[__builtin_ctz(out)] = -1;
 
     Wide reach = allWide(0);
     double reference = 0;
@@ -212,7 +213,8 @@ inline float setLimits(Bundle& b) {
     const auto eight = [&](int at) {
         return load(b.t + at) * load(b.limitFactor + at) + load(b.limitOffset + at);
     };
-    const Wide limit = smaller(larger(narrow(eight(0), eight(kLanes)), allWide(0)), loadWide(b.cap));
+    const Wide limit =
+        smaller(larger(narrow(eight(0), eight(kLanes)), allWide(0)), loadWide(b.cap));
     store(b.limit, limit);
     return largestOf(limit);
 }
@@ -227,8 +229,9 @@ inline unsigned mayMeet(const Node& node, const BundleBoxes& b, F32 limit, F32& 
         const F32 p = row(node, b.near[axis] ^ kRow) - b.leaveOrigin[axis];
         return larger(p * b.low[axis], p * b.high[axis]);
     };
-    enter = larger(larger(earlier(0), earlier(1)), larger(earlier(2), all(0.0f)));
-    return bitsLessEqual(enter, smaller(smaller(later(0), later(1)), smaller(later(2), limit)));
+    enter = largerBits(largerBits(earlier(0), earlier(1)), largerBits(earlier(2), all(0.0f)));
+    return lessEqualBits(
+        enter, smallerBits(smallerBits(later(0), later(1)), smallerBits(later(2), limit)));
 }
 
 /// The rays that meet the box of one child: as meets().
@@ -245,9 +248,9 @@ inline unsigned meetChild(const Node& node, unsigned slot, const Bundle& b) {
         return productMinus(plane(b.boxes.near[axis] ^ kRow), loadWide(b.inverse[axis]),
                             loadWide(b.leave[axis]));
     };
-    return bitsLessEqual(
-        larger(larger(enter(0), enter(1)), larger(enter(2), allWide(0))),
-        smaller(smaller(leave(0), leave(1)), smaller(leave(2), loadWide(b.limit))));
+    return lessEqualBits(
+        largerBits(largerBits(enter(0), enter(1)), largerBits(enter(2), allWide(0))),
+        smallerBits(smallerBits(leave(0), leave(1)), smallerBits(leave(2), loadWide(b.limit))));
 }
 
 /// Takes over what 8 rays found in one primitive; returns the rays for which it is better (kAny: a hit).
@@ -483,8 +486,8 @@ template <bool kAny>
                 all(block.center[0][i]) - ox, all(block.center[1][i]) - oy,
                 all(block.center[2][i]) - oz, dx, dy, dz, inverseSquared, all(block.radius[i]));
             if (!bits(s.met)) continue;
-            const F64 root = squareRoot(
-                select(s.within, s.b * s.b - squared * s.c, squared * s.discriminant));
+            const F64 root =
+                squareRoot(select(s.within, s.b * s.b - squared * s.c, squared * s.discriminant));
             const F64 q = select(s.b < all(0.0), s.b - root, s.b + root);
             const F64 ta = s.c / q, tb = q * inverseSquared;
             const F64 t0 = smaller(ta, tb), t1 = larger(ta, tb);
@@ -546,8 +549,8 @@ template <bool kCount, bool kAny>
                                                      b.limit[i], f, b.exclude[i], b.t[i], visits))
                << i;
     Best best = bestAt(b, i);
-    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order, {b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i],
-                        best, visits);
+    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order,
+                        {b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i], best, visits);
     return take(b, i, best);
 }
 
@@ -718,7 +721,17 @@ inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t co
             continue;
         }
         trace<kCount, false>(tree, batch, n, b, visits);
-        for (unsigned i = 0; i < n; ++i) answer(bestAt(b, static_cast<int>(i)), to + i);
+        for (int g = 0; g < 2; ++g) {
+            double* const t = b.t + g * kLanes;
+            store(t, select(maskOf(b.found >> (g * kLanes) & 0xFF), load(t), all(__builtin_inf())));
+        }
+        for (unsigned i = 0; i < n; ++i) {
+            to[i].t = b.t[i];
+            to[i].u = b.u[i];
+            to[i].v = b.v[i];
+            to[i].id = b.found >> i & 1 ? static_cast<geometry::PrimitiveId>(b.id[i])
+                                        : geometry::kNoPrimitive;
+        }
     }
 }
 

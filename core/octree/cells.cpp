@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kMostBins = 32;
 constexpr int kLeastBins = 16, kBinShare = 1;
-constexpr std::uint32_t kTaskSize = 2048; // smaller cells are built by one thread
-constexpr std::uint32_t kHandful = 256;   // cells that a task takes at a time
-constexpr std::uint32_t kChunk = 16384;   // of references, for parallel passes over one cell
+constexpr std::uint32_t kTaskSize = 2048;       // smaller cells are built by one thread
+constexpr std::uint32_t kHandful = 256;         // cells that a task takes at a time
+constexpr std::uint32_t kChunk = 16384;         // of references, for parallel passes over one cell
 constexpr std::uint32_t kLeastCutOfSpheres = 2; // octree_bench --spheres, random: 4 is 8 % slower
-constexpr int kBalancedDepth = 64;        // from here on cells are cut at the median
+constexpr int kBalancedDepth = 64;              // from here on cells are cut at the median
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
 __m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }

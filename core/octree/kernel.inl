@@ -41,8 +41,8 @@ constexpr double kSmallestDirection =
     numeric::powerOfTwo(-60); // of a largest component in [1, 2): moves a ray by
                               // less than 2^-56 within the cube
 
-// Directions whose largest component lies between need no normalising: the smallest that is then left
-// is as small as above or smaller, and nothing here leaves the range of f32.
+// Directions whose largest component lies between these need no normalising: the smallest component that
+// is then left is at most 2^-60 of the largest, as above, and no inverse leaves the range of f32.
 constexpr double kShort = numeric::powerOfTwo(-30), kLong = numeric::powerOfTwo(30),
                  kSmallestOrdinary = numeric::powerOfTwo(-90);
 
@@ -134,7 +134,7 @@ inline Quad originOf(const TreeView& tree, const Ray& ray) {
     return withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
 }
 
-/// boxRayOf, for rays that start far away or have very short or long directions.
+/// setUpBoxRay, for rays that start far away or have very short or long directions.
 [[gnu::noinline]] void setUpAnyBoxRay(const TreeView& tree, const Ray& ray, BoxRay& b,
                                       double inverses[4], double& factor) {
     const Normalized n = normalized(ray);
@@ -174,8 +174,8 @@ inline Quad originOf(const TreeView& tree, const Ray& ray) {
                                                double inverses[4], double& factor) {
     const Quad direction = withFourth(loadQuad(&ray.direction.x), 1), size = magnitude(direction);
     const Quad origin = originOf(tree, ray);
-    const unsigned ordinary = bitsLessEqual(size, allQuad(kLong)) &
-                              bitsLessEqual(magnitude(origin), allQuad(kNear)) & 7;
+    const unsigned ordinary =
+        bitsLessEqual(size, allQuad(kLong)) & bitsLessEqual(magnitude(origin), allQuad(kNear)) & 7;
     if (ordinary != 7 || !(bitsLessEqual(allQuad(kShort), size) & 7)) [[unlikely]]
         return setUpAnyBoxRay(tree, ray, b, inverses, factor);
     factor = 1;
@@ -510,8 +510,8 @@ inline unsigned meetSpheres(const SphereBlock& block, const Frame& f, SphereArra
 /// Both parameters of one of them: geometry::intersectSphereLine.
 inline void hitSphere(const SphereArray& s, const Frame& f, int lane, double& t0, double& t1) {
     const double b = s.b[lane], c = s.c[lane];
-    const double root = __builtin_sqrt(c < 0 ? b * b - f.squared * c
-                                             : f.squared * s.discriminant[lane]);
+    const double root =
+        __builtin_sqrt(c < 0 ? b * b - f.squared * c : f.squared * s.discriminant[lane]);
     const double q = b < 0 ? b - root : b + root;
     const double ta = c / q, tb = q * f.inverseSquared;
     t0 = ta < tb ? ta : tb;
@@ -848,8 +848,8 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
         anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
         return true;
     if (!tree.nodes || box.misses) return false;
-    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), limitOf(box.limits, ray.tMax), f,
-                           exclude, last, visits);
+    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), limitOf(box.limits, ray.tMax), f, exclude,
+                           last, visits);
 }
 
 inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,

@@ -65,12 +65,12 @@ inline F32 smaller(F32 a, F32 b) { return {_mm256_min_ps(a.v, b.v)}; }
 inline F32 larger(F32 a, F32 b) { return {_mm256_max_ps(a.v, b.v)}; }
 /// By the integers that their bits are: right where not both are negative, and faster.
 inline F32 smallerBits(F32 a, F32 b) {
-    return {_mm256_castsi256_ps(
-        _mm256_min_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+    return {
+        _mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
 }
 inline F32 largerBits(F32 a, F32 b) {
-    return {_mm256_castsi256_ps(
-        _mm256_max_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+    return {
+        _mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
 }
 inline unsigned lessEqualBits(F32 a, F32 b) {
     return ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
@@ -117,6 +117,12 @@ inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(
         _mm256_cmpeq_epi32(_mm256_load_si256(reinterpret_cast<const __m256i*>(ids)),
                            _mm256_set1_epi32(static_cast<int>(id))))));
+}
+/// The lower halves of 8 doubles' bits.
+inline void storeLowWords(std::uint32_t* p, F64 x) {
+    const __m256 low = _mm256_shuffle_ps(_mm256_castpd_ps(x.a), _mm256_castpd_ps(x.b), 0x88);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(p),
+                       _mm256_permute4x64_epi64(_mm256_castps_si256(low), 0xD8));
 }
 inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
     for (; bits; bits &= bits - 1) ids[__builtin_ctz(bits)] = id;
@@ -185,6 +191,17 @@ inline Wide minusProduct(Wide x, Wide y, Wide z) {
 inline Wide magnitude(Wide x) {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return {_mm256_andnot_ps(sign, x.a), _mm256_andnot_ps(sign, x.b)};
+}
+inline Wide smallerBits(Wide x, Wide y) {
+    const F32 a = smallerBits(F32{x.a}, F32{y.a}), b = smallerBits(F32{x.b}, F32{y.b});
+    return {a.v, b.v};
+}
+inline Wide largerBits(Wide x, Wide y) {
+    const F32 a = largerBits(F32{x.a}, F32{y.a}), b = largerBits(F32{x.b}, F32{y.b});
+    return {a.v, b.v};
+}
+inline unsigned lessEqualBits(Wide x, Wide y) {
+    return lessEqualBits(F32{x.a}, F32{y.a}) | lessEqualBits(F32{x.b}, F32{y.b}) << 8;
 }
 inline float smallestOf(Wide x) {
     const __m256 v = _mm256_min_ps(x.a, x.b);
@@ -316,7 +333,7 @@ inline __m256 narrowed(F64 a, double scale) {
 /// Triangles of a shared block whose f32 edge functions do not rule them out: see kernel.inl.
 template <class Block>
 [[gnu::always_inline]] inline unsigned ruledIn(const Block& block, const SharedCorners& c,
-                                                  double scale) {
+                                               double scale) {
     const __m256 x0 = narrowed(c.x0, scale), x1 = narrowed(c.x1, scale);
     const __m256 y0 = narrowed(c.y0, scale), y1 = narrowed(c.y1, scale);
     unsigned in = 0;

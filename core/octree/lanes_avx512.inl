@@ -38,12 +38,12 @@ inline F32 smaller(F32 a, F32 b) { return {_mm256_min_ps(a.v, b.v)}; }
 inline F32 larger(F32 a, F32 b) { return {_mm256_max_ps(a.v, b.v)}; }
 /// By the integers that their bits are: right where not both are negative, and faster.
 inline F32 smallerBits(F32 a, F32 b) {
-    return {_mm256_castsi256_ps(
-        _mm256_min_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+    return {
+        _mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
 }
 inline F32 largerBits(F32 a, F32 b) {
-    return {_mm256_castsi256_ps(
-        _mm256_max_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+    return {
+        _mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
 }
 inline unsigned lessEqualBits(F32 a, F32 b) {
     return _mm256_cmple_epi32_mask(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v));
@@ -71,6 +71,11 @@ inline F64 powerBelow(F64 a, F64& inverse) {
 inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
     return _mm256_cmpeq_epi32_mask(_mm256_load_si256(reinterpret_cast<const __m256i*>(ids)),
                                    _mm256_set1_epi32(static_cast<int>(id)));
+}
+/// The lower halves of 8 doubles' bits.
+inline void storeLowWords(std::uint32_t* p, F64 a) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(p),
+                       _mm512_cvtepi64_epi32(_mm512_castpd_si512(a.v)));
 }
 inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
     _mm256_mask_store_epi32(ids, static_cast<__mmask8>(bits),
@@ -120,6 +125,17 @@ inline Wide larger(Wide a, Wide b) { return {_mm512_max_ps(a.v, b.v)}; }
 inline Wide magnitude(Wide a) { return {_mm512_abs_ps(a.v)}; }
 inline unsigned bitsLess(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
 inline unsigned bitsLessEqual(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
+inline Wide smallerBits(Wide a, Wide b) {
+    return {
+        _mm512_castsi512_ps(_mm512_min_epi32(_mm512_castps_si512(a.v), _mm512_castps_si512(b.v)))};
+}
+inline Wide largerBits(Wide a, Wide b) {
+    return {
+        _mm512_castsi512_ps(_mm512_max_epi32(_mm512_castps_si512(a.v), _mm512_castps_si512(b.v)))};
+}
+inline unsigned lessEqualBits(Wide a, Wide b) {
+    return _mm512_cmple_epi32_mask(_mm512_castps_si512(a.v), _mm512_castps_si512(b.v));
+}
 inline float smallestOf(Wide a) { return _mm512_reduce_min_ps(a.v); }
 inline float largestOf(Wide a) { return _mm512_reduce_max_ps(a.v); }
 inline Wide narrow(F64 low, F64 high) {
@@ -150,7 +166,8 @@ inline unsigned bitsLessEqual(Quad a, Quad b) { return _mm256_cmp_pd_mask(a.v, b
 /// Bit 0: x > y; 1: x > z; 2: y > z.
 inline unsigned orderOfSizes(Quad a) {
     return _mm256_cmp_pd_mask(_mm256_permute4x64_pd(a.v, 0b010000),
-                              _mm256_permute4x64_pd(a.v, 0b101001), _CMP_GT_OQ) & 7;
+                              _mm256_permute4x64_pd(a.v, 0b101001), _CMP_GT_OQ) &
+           7;
 }
 inline double productPlus(double a, double b, double c) { return __builtin_fma(a, b, c); }
 /// 0 for NaN.

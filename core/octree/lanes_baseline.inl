@@ -134,6 +134,14 @@ inline unsigned bitsEqual(const std::uint32_t* ids, std::uint32_t id) {
     };
     return static_cast<unsigned>(four(0) | four(4) << 4);
 }
+/// The lower halves of 8 doubles' bits.
+inline void storeLowWords(std::uint32_t* p, F64 x) {
+    const auto four = [](__m128d a, __m128d b) {
+        return _mm_shuffle_ps(_mm_castpd_ps(a), _mm_castpd_ps(b), 0x88);
+    };
+    _mm_store_ps(reinterpret_cast<float*>(p), four(x.a, x.b));
+    _mm_store_ps(reinterpret_cast<float*>(p + 4), four(x.c, x.d));
+}
 inline void storeWhere(unsigned bits, std::uint32_t* ids, std::uint32_t id) {
     for (; bits; bits &= bits - 1) ids[__builtin_ctz(bits)] = id;
 }
@@ -194,6 +202,9 @@ inline Wide magnitude(Wide x) {
     return {_mm_andnot_ps(sign, x.a), _mm_andnot_ps(sign, x.b), _mm_andnot_ps(sign, x.c),
             _mm_andnot_ps(sign, x.d)};
 }
+inline Wide smallerBits(Wide x, Wide y) { return smaller(x, y); }
+inline Wide largerBits(Wide x, Wide y) { return larger(x, y); }
+inline unsigned lessEqualBits(Wide x, Wide y) { return bitsLessEqual(x, y); }
 inline float smallestOf(Wide x) {
     alignas(16) float v[4];
     _mm_store_ps(v, _mm_min_ps(_mm_min_ps(x.a, x.b), _mm_min_ps(x.c, x.d)));
@@ -321,7 +332,6 @@ struct SharedCorners {
 };
 
 /// Without permutations an f32 filter would gain nothing.
-template <class Block>
-inline unsigned ruledIn(const Block& block, const SharedCorners&, double) {
+template <class Block> inline unsigned ruledIn(const Block& block, const SharedCorners&, double) {
     return block.valid;
 }
