@@ -113,6 +113,7 @@ private:
     void line(std::string_view keyword, std::string_view rest) {
         text_ += keyword;
         text_ += rest;
+        if (rest.ends_with('\\')) text_ += " #"; // a line that ended with it would go on
         endLine();
     }
     void numbers(std::string_view keyword, std::initializer_list<double> values) {

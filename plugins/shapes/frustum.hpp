@@ -80,7 +80,8 @@ private:
     }
 
     std::uint32_t cross(const LocalRay& ray, Crossing crossings[2]) const {
-        const auto& [o, d, shift] = ray;
+        const rt::Vector3 &o = ray.origin, &d = ray.direction;
+        const double shift = ray.shift;
         // Where the ray is between the end planes.
         double first = -rt::kInfinity, last = rt::kInfinity;
         if (d.z != 0) {

@@ -50,6 +50,14 @@ TEST(WrittenObj, KeepsEverythingElse) {
                     "f 1/1/1 2/1/2 3\nusemtl blue\ns off\nf 3//1 2//1 1//1 2//1\nf 1 2 3\n");
 }
 
+TEST(WrittenObj, NameThatEndsInABackslashEndsItsLine) {
+    const std::string obj = "mtllib a\\\t# b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl c\\ #\nf 1 2 3\n";
+    const MeshFile file = parse(obj);
+    ASSERT_EQ(file.materialNames, std::vector<std::string>{"c\\"});
+    EXPECT_EQ(written(file, repair(file, Repair::none)),
+              "mtllib a\\ #\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl c\\ #\nf 1 2 3\n");
+}
+
 TEST(WrittenObj, NormalsTurnWithTheirFaces) {
     const MeshFile file = parse(
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nv 3 0 0\nv 3 1 0\nvn 0 0 1\nvn 0 0 "
