@@ -225,6 +225,7 @@ std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id) {
 
 void prefetchSurfaces(const Primitives& primitives, std::span<const Hit> hits) {
     const Triangles& triangles = primitives.triangles;
+    if (triangles.indices.empty()) return;
     const auto forEachTriangle = [&](const auto& visit) {
         for (const Hit& hit : hits) {
             if (!hit) continue;

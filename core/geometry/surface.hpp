@@ -37,6 +37,13 @@ void prefetchSurfaces(const Primitives& primitives, std::span<const Hit> hits);
 /// Number of the face in the mesh's file; elsewhere within the segment.
 std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id);
 
+/// Precondition: `segment` is that of `id`, and of spheres.
+inline const Sphere& sphereOf(const Primitives& primitives, const Segment& segment,
+                              PrimitiveId id) {
+    return primitives.spheres[segment.index + static_cast<std::uint32_t>(id) -
+                              static_cast<std::uint32_t>(segment.first)];
+}
+
 /// Material of a primitive; cheaper than surfaceAt.
 MaterialId materialOf(const Primitives& primitives, PrimitiveId id);
 

@@ -21,6 +21,12 @@ inline double reciprocalPowerOfTwo(double x) {
     return std::ldexp(1.0, -std::ilogb(x)); // subnormal, or would be
 }
 
+/// Positive, and so far from the ends of the range that its reciprocal power of two is normal, too.
+inline bool isModerate(double x) {
+    constexpr double kLeast = powerOfTwo(-1000), kMost = powerOfTwo(1000);
+    return x > kLeast && x < kMost;
+}
+
 /// numeric::maxComponent: a NaN only if all are.
 inline double larger(double a, double b) { return a >= b || b != b ? a : b; }
 inline double maxComponent(const Vec3& v) { return larger(v.x, larger(v.y, v.z)); }

@@ -21,13 +21,13 @@ public:
 
     std::vector<geometry::ObjectId> mediaOfPrimary;
 
-    std::uint32_t primary(const Work& work) {
+    std::uint32_t primary(const Work& work, const geometry::Ray& ray) {
         const auto number = static_cast<std::uint32_t>(tree_.nodes.size());
         Node node{};
         node.parent = number;
         node.kind = RayTree::Kind::primary;
         node.weight = work.weight;
-        node.origin = work.ray.origin, node.direction = work.ray.direction;
+        node.origin = ray.origin, node.direction = ray.direction;
         node.media = mediaOfPrimary;
         tree_.nodes.push_back(std::move(node));
         return number;
@@ -49,9 +49,9 @@ public:
     }
 
     /// A child ray starts.
-    void starts(const Work& work) {
+    void starts(const Work& work, const geometry::Ray& ray) {
         Node& node = tree_.nodes[work.node];
-        node.origin = work.ray.origin, node.direction = work.ray.direction;
+        node.origin = ray.origin, node.direction = ray.direction;
     }
 
     void transmitted(const Work& work, const Facing& facing, const Coincident* also) {

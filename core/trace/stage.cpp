@@ -83,6 +83,10 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
         if (!color.isBlack()) lights.push_back({light.position, color, i});
     }
     for (const auto& m : world.materials) opaque.push_back(m.isOpaque());
+    for (const auto& m : world.materials) {
+        const bool glows = !m.environment.isBlack();
+        lit.push_back({glows || !m.diffuse.isBlack() || !m.specular.isBlack(), glows && !m.isOpaque()});
+    }
     nothing.assign(opaque.size(), false);
     transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),
                             [&](const Segment& s) { return segmentTransmits(world, s); });

@@ -18,6 +18,11 @@ struct Light {
     std::uint32_t index = 0; // in the scene's lights
 };
 
+/// From where a light can add to what is seen of a material.
+struct Lit {
+    bool front, back;
+};
+
 /// Immutable while rays are traced; threads share it.
 struct Stage {
     Stage(const octree::Octree& octree, const world::World& world,
@@ -44,6 +49,7 @@ struct Stage {
     bool transmits;            // some surface lets light through
     std::vector<bool> opaque;  // by MaterialId
     std::vector<bool> nothing; // by MaterialId, all false: no material stops a query of crossings
+    std::vector<Lit> lit;      // by MaterialId
     std::vector<bool> mayCoincide; // by ObjectId: transmissive and within reach of another object
     Ties ties;                     // faces of different objects in one plane
 };
