@@ -17,6 +17,13 @@ struct InBlocks {
         const std::uint32_t left = column / kBlock * kBlock;
         return std::size_t(left) * height + row * std::min(kBlock, width - left) + (column - left);
     }
+    /// Calls visit(column, row) in that order.
+    template <class Visit> void forEach(const Visit& visit) const {
+        for (std::uint32_t left = 0; left < width; left += kBlock)
+            for (std::uint32_t row = 0; row < height; ++row)
+                for (std::uint32_t column = left; column < std::min(left + kBlock, width); ++column)
+                    visit(column, row);
+    }
 };
 
 /// Rows of pixels that are sampled together: a row of blocks, and as many as fill some bundles.
@@ -34,40 +41,37 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
     const double first = sampling == scene::Sampling::center ? 0.5 : 0;
     std::vector<double> offset(n); // of the samples from the corner of their pixel
     for (std::uint32_t k = 0; k < n; ++k) offset[k] = (k + first) / n;
-    return forEachPiece(tiles.count(), options, counts, 0, 1,
-                        [&](std::size_t number, Scratch& scratch, RayCounts& counted) {
-                            const Region tile = tiles[number];
-                            const std::uint32_t rows = rowsOfBand(tile.width(), n);
-                            std::vector<PicturePoint> points;
-                            std::vector<LinearRgb> colors;
-                            for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += rows) {
-                                if (options.stop && options.stop->load(std::memory_order_relaxed))
-                                    return;
-                                const std::uint32_t y1 = std::min(y0 + rows, tile.y1);
-                                const InBlocks blocks{tile.width() * n, (y1 - y0) * n};
-                                points.resize(blocks.count());
-                                colors.resize(blocks.count());
-                                const auto index = [&](std::uint32_t x, std::uint32_t y,
-                                                       std::uint32_t column, std::uint32_t row) {
-                                    return blocks((x - tile.x0) * n + column, (y - y0) * n + row);
-                                };
-                                for (std::uint32_t y = y0; y < y1; ++y)
-                                    for (std::uint32_t x = tile.x0; x < tile.x1; ++x)
-                                        for (std::uint32_t row = 0; row < n; ++row)
-                                            for (std::uint32_t column = 0; column < n; ++column)
-                                                points[index(x, y, column, row)] = {
-                                                    x + offset[column], y + offset[row]};
-                                sampler(view, points, colors.data(), scratch, counted);
-                                for (std::uint32_t y = y0; y < y1; ++y)
-                                    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
-                                        LinearRgb sum;
-                                        for (std::uint32_t row = 0; row < n; ++row)
-                                            for (std::uint32_t column = 0; column < n; ++column)
-                                                sum += colors[index(x, y, column, row)];
-                                        frame.at(x, y) = sum * (1.0 / (double(n) * n));
-                                    }
-                            }
-                        });
+    return forEachPiece(
+        tiles.count(), options, counts, 0, 1,
+        [&](std::size_t number, Scratch& scratch, RayCounts& counted) {
+            const Region tile = tiles[number];
+            const std::uint32_t rows = rowsOfBand(tile.width(), n);
+            std::vector<PicturePoint> points;
+            std::vector<LinearRgb> colors;
+            std::vector<double> columns; // of the picture
+            for (std::uint32_t x = tile.x0; x < tile.x1; ++x)
+                for (const double within : offset) columns.push_back(x + within);
+            for (std::uint32_t y0 = tile.y0; y0 < tile.y1; y0 += rows) {
+                if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
+                const std::uint32_t y1 = std::min(y0 + rows, tile.y1);
+                const InBlocks blocks{tile.width() * n, (y1 - y0) * n};
+                colors.resize(blocks.count());
+                points.clear();
+                blocks.forEach([&](std::uint32_t column, std::uint32_t row) {
+                    points.push_back({columns[column], y0 + row / n + offset[row % n]});
+                });
+                sampler(view, points, colors.data(), scratch, counted);
+                for (std::uint32_t y = y0; y < y1; ++y)
+                    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+                        LinearRgb sum;
+                        for (std::uint32_t row = 0; row < n; ++row)
+                            for (std::uint32_t column = 0; column < n; ++column)
+                                sum +=
+                                    colors[blocks((x - tile.x0) * n + column, (y - y0) * n + row)];
+                        frame.at(x, y) = sum * (1.0 / (double(n) * n));
+                    }
+            }
+        });
 }
 
 } // namespace rt::trace

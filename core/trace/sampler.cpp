@@ -17,20 +17,20 @@ bool isFinite(const LinearRgb& c) {
 template <class Trace>
 void forEachBatch(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
                   Scratch& scratch, const Trace& trace) {
-    // Enough for the octree to trace them together, few enough for the caches.
-    constexpr std::size_t kBatch = 256;
-    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+    for (std::size_t first = 0; first < points.size(); first += kWave) {
         auto& [rays, colorOf] = scratch.camera;
-        rays.clear();
-        colorOf.clear();
-        for (std::size_t i = first; i < std::min(first + kBatch, points.size()); ++i) {
+        const std::size_t last = std::min(first + kWave, points.size());
+        rays.resize(last - first);
+        colorOf.resize(last - first);
+        std::size_t used = 0;
+        for (std::size_t i = first; i < last; ++i) {
             colors[i] = {};
-            rays.push_back(view.camera.through(points[i].column, points[i].row));
-            if (view.stage.box.clip(rays.back()))
-                colorOf.push_back(colors + i);
-            else
-                rays.pop_back();
+            rays[used] = view.camera.through(points[i].column, points[i].row);
+            colorOf[used] = colors + i;
+            used += view.stage.box.clip(rays[used]);
         }
+        rays.resize(used);
+        colorOf.resize(used);
         trace(std::span<const geometry::Ray>(rays), std::span<LinearRgb* const>(colorOf));
     }
 }

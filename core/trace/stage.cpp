@@ -4,6 +4,7 @@
 #include <core/numeric/rounding.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rt::trace {
 namespace {
@@ -26,6 +27,17 @@ bool overlap(const Box3d& a, const Box3d& b) {
     return true;
 }
 
+/// May a point lie on both of two spheres, within its error bounds? Not where one is outside of the other, or within it.
+bool mayTouch(const geometry::Sphere& a, const geometry::Sphere& b) {
+    const Vec3 apart = b.center - a.center;
+    const double distance = std::sqrt(dot(apart, apart));
+    const double coordinates = numeric::maxComponent(numeric::abs(a.center)) +
+                               numeric::maxComponent(numeric::abs(b.center)) + a.radius + b.radius;
+    const double slack = numeric::gamma(64) * coordinates; // γ32 of each, and what is rounded here
+    return distance <= a.radius + b.radius + slack &&
+           distance + slack >= std::fabs(a.radius - b.radius);
+}
+
 bool segmentTransmits(const world::World& world, const Segment& segment) {
     const auto& ofTriangles = world.primitives.triangles.materials;
     const auto transmits = [&](geometry::MaterialId id) {
@@ -46,11 +58,15 @@ std::vector<bool> objectsThatMayCoincide(const world::World& world) {
         Box3d box;
         std::size_t object;
         bool transmits;
+        const geometry::Sphere* sphere; // if it is a single one
     };
     std::vector<Extent> extents;
     for (const Segment& s : segments)
         extents.push_back({boundsWithSlack(world.primitives, s), static_cast<std::size_t>(s.object),
-                           segmentTransmits(world, s)});
+                           segmentTransmits(world, s),
+                           s.kind == Kind::sphere && s.count == 1
+                               ? &world.primitives.spheres[s.index]
+                               : nullptr});
     // Sweep along x: only boxes that are open at the same x are compared.
     std::sort(extents.begin(), extents.end(),
               [](const Extent& a, const Extent& b) { return a.box.min.x < b.box.min.x; });
@@ -63,6 +79,7 @@ std::vector<bool> objectsThatMayCoincide(const world::World& world) {
             if ((may[e->object] || !e->transmits) && (may[next.object] || !next.transmits))
                 continue;
             if (!overlap(e->box, next.box)) continue;
+            if (e->sphere && next.sphere && !mayTouch(*e->sphere, *next.sphere)) continue;
             if (e->transmits) may[e->object] = true;
             if (next.transmits) may[next.object] = true;
         }
@@ -85,7 +102,8 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
     for (const auto& m : world.materials) opaque.push_back(m.isOpaque());
     for (const auto& m : world.materials) {
         const bool glows = !m.environment.isBlack();
-        lit.push_back({glows || !m.diffuse.isBlack() || !m.specular.isBlack(), glows && !m.isOpaque()});
+        lit.push_back(
+            {glows || !m.diffuse.isBlack() || !m.specular.isBlack(), glows && !m.isOpaque()});
     }
     nothing.assign(opaque.size(), false);
     transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),

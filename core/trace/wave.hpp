@@ -32,7 +32,7 @@ struct Wave {
     Column radius;
     MaskColumn leaving; // set by `face`
     // The material, color included where the law has it.
-    Columns diffuse, environment;                 // diffuse: color * diffuse
+    Columns diffuse, environment;                  // diffuse: color * diffuse
     Columns color, specular, transmission, weight; // of those that send rays off
     Columns light;                                 // sum over the lights so far
     // Toward one light.

@@ -14,18 +14,14 @@ constexpr std::size_t kLanes = 2;
 using F64 = double __attribute__((vector_size(8 * kLanes)));
 using I64 = long long __attribute__((vector_size(8 * kLanes))); // a mask: 0 or -1 in each lane
 
-inline F64 load(const Column& c, std::size_t i) {
-    return *reinterpret_cast<const F64*>(c.at + i);
-}
+inline F64 load(const Column& c, std::size_t i) { return *reinterpret_cast<const F64*>(c.at + i); }
 inline void store(Column& c, std::size_t i, F64 v) { *reinterpret_cast<F64*>(c.at + i) = v; }
 inline I64 load(const MaskColumn& c, std::size_t i) {
     I64 v;
     __builtin_memcpy(&v, c.at + i, sizeof v);
     return v;
 }
-inline void store(MaskColumn& c, std::size_t i, I64 v) {
-    __builtin_memcpy(c.at + i, &v, sizeof v);
-}
+inline void store(MaskColumn& c, std::size_t i, I64 v) { __builtin_memcpy(c.at + i, &v, sizeof v); }
 inline F64 all(double x) { return x - F64{}; }
 inline F64 select(I64 mask, F64 a, F64 b) { return mask ? a : b; }
 inline I64 bitsOf(F64 x) { return reinterpret_cast<I64>(x); }
@@ -140,8 +136,7 @@ void aim(Wave& w, std::size_t count, const double light[3]) {
         const F64 squared = dot(toLight, toLight);
         const V3 direction = toLight / squareRoot(squared);
         const F64 cosine = dot(direction, normal);
-        store(w.cosine, i,
-              select(squared > 0, select(cosine > 0, cosine, all(0.0)), all(-1.0)));
+        store(w.cosine, i, select(squared > 0, select(cosine > 0, cosine, all(0.0)), all(-1.0)));
         const V3 halfway = direction - load(w.direction, i);
         store(w.halfway, i, dot(halfway, normal) / squareRoot(dot(halfway, halfway)));
         const V3 origin = spawnOrigin(position, load(w.geometric, i), load(w.leaving, i),
@@ -154,9 +149,9 @@ void aim(Wave& w, std::size_t count, const double light[3]) {
 void add(Wave& w, std::size_t count) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         const V3 visible = load(w.visible, i);
-        const V3 added = (load(w.environment, i) * visible +
-                          load(w.diffuse, i) * load(w.cosine, i) * visible) +
-                         load(w.specular, i) * load(w.power, i) * visible;
+        const V3 added =
+            (load(w.environment, i) * visible + load(w.diffuse, i) * load(w.cosine, i) * visible) +
+            load(w.specular, i) * load(w.power, i) * visible;
         store(w.added, i, added);
         store(w.light, i, load(w.light, i) + added);
     }
@@ -189,15 +184,14 @@ void mirror(Wave& w, std::size_t count, bool transmits) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         const V3 direction = load(w.direction, i), normal = load(w.normal, i);
         const V3 geometric = load(w.geometric, i);
-        const V3 out = intoHemisphere(unit(direction - normal * (2 * dot(direction, normal))),
-                                      geometric);
+        const V3 out =
+            intoHemisphere(unit(direction - normal * (2 * dot(direction, normal))), geometric);
         V3 share = load(w.specular, i);
-        if (transmits)
-            share = share + select(load(w.passes, i), none, load(w.transmission, i));
+        if (transmits) share = share + select(load(w.passes, i), none, load(w.transmission, i));
         store(w.mirrored, i, out);
-        store(w.mirroredOrigin, i,
-              spawnOrigin(load(w.position, i), geometric, load(w.leaving, i), load(w.error, i),
-                          out));
+        store(
+            w.mirroredOrigin, i,
+            spawnOrigin(load(w.position, i), geometric, load(w.leaving, i), load(w.error, i), out));
         store(w.mirroredWeight, i, load(w.weight, i) * (load(w.color, i) * share));
     }
 }

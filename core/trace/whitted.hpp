@@ -89,13 +89,14 @@ struct Scratch {
         std::vector<LinearRgb*> colorOf;
     } camera; // of the sampler
     std::vector<geometry::Ray> pendingRays;
-    std::vector<Work> pending; // likewise
+    std::vector<Work> pending;       // likewise
     std::vector<geometry::Ray> rays; // of the wave
     std::vector<Work> works;         // likewise
     std::vector<geometry::Hit> hits; // likewise
     std::vector<std::uint8_t> direction;
     std::unique_ptr<Front> front = std::make_unique<Front>();
-    std::unique_ptr<Front> contact = std::make_unique<Front>(); // one opaque surface that another touches
+    std::unique_ptr<Front> contact =
+        std::make_unique<Front>(); // one opaque surface that another touches
     std::vector<geometry::Ray> shadowRays;
     std::vector<std::uint32_t> toLight; // by shadow ray: number of the encounter
     std::vector<std::uint8_t> occluded;
@@ -169,7 +170,7 @@ private:
 
     /// Takes the last works and traces them. Taking the last, at most so many, keeps the memory of those
     /// that wait linear in the depth. The octree traces together what goes in one direction, so they are
-    /// sorted (glass.yaml of tests/bench/versus: 1.2 times as fast; 512 of them 1.04 times as 256).
+    /// sorted (glass.yaml of tests/bench/versus: 1.2 times as fast).
     void meetPending() {
         auto& pending = scratch_.pending;
         auto& pendingRays = scratch_.pendingRays;
@@ -262,7 +263,8 @@ private:
     /// False where the kernel's arithmetic would leave the normal numbers.
     bool meetSphere(Front& front, const Work& work, const geometry::Ray& ray,
                     const geometry::Hit& hit, const geometry::Segment& segment) {
-        const geometry::Sphere& sphere = geometry::sphereOf(stage_.world.primitives, segment, hit.id);
+        const geometry::Sphere& sphere =
+            geometry::sphereOf(stage_.world.primitives, segment, hit.id);
         const Vec3 fromCenter = (ray.origin - sphere.center) + hit.t * ray.direction;
         if (!numeric::bits::isModerate(numeric::bits::maxComponent(numeric::abs(fromCenter))))
             return false;
@@ -366,8 +368,7 @@ private:
             if constexpr (kFeatures.counting != Counting::none)
                 ++counts_.hits[static_cast<std::size_t>(met.segment->kind)];
             LinearRgb color = material.color;
-            if (material.colorTexture)
-                color = colorAt(stage_.world, material, surfaceOf(front, i));
+            if (material.colorTexture) color = colorAt(stage_.world, material, surfaceOf(front, i));
             put(wave.diffuse, i, color * material.diffuse);
             put(wave.environment, i, material.environment);
             put(wave.specular, i, material.specular);
@@ -388,14 +389,18 @@ private:
         auto& toLight = scratch_.toLight;
         for (const Light& light : stage_.lights) {
             kernel_.aim(wave, count, &light.position.x);
-            rays.clear();
-            toLight.clear();
+            rays.resize(count);
+            toLight.resize(count);
+            std::size_t used = 0;
             for (std::uint32_t i = 0; i < count; ++i) {
                 put(wave.visible, i, LinearRgb{});
                 wave.power.at[i] = 0;
-                aim(light, front, i);
+                toLight[used] = i;
+                used += aim(light, front, i, rays[used]);
             }
-            counts_.shadow += rays.size();
+            rays.resize(used);
+            toLight.resize(used);
+            counts_.shadow += used;
             occluded();
             if constexpr (kFeatures.counting != Counting::none)
                 for (const std::uint8_t blocked : scratch_.occluded) counts_.blocked += blocked;
@@ -409,14 +414,13 @@ private:
         }
     }
 
-    /// The shadow ray, where the light can matter.
-    void aim(const Light& light, const Front& front, std::uint32_t i) {
+    /// The shadow ray; false where the light cannot matter.
+    bool aim(const Light& light, const Front& front, std::uint32_t i, geometry::Ray& ray) const {
         const Wave& wave = front.wave;
         const Encounter& met = front.met[i];
         const double cosine = wave.cosine.at[i];
         const Lit lit = stage_.lit[static_cast<std::uint32_t>(met.material)];
-        if (!(cosine > 0 ? lit.front : cosine == 0 && lit.back)) return;
-        geometry::Ray ray;
+        if (!(cosine > 0 ? lit.front : cosine == 0 && lit.back)) return false;
         const auto& triangles = stage_.world.primitives.triangles;
         if (cosine > 0 && met.segment->kind == geometry::Kind::triangle &&
             !triangles.normalIndices.empty() && at(wave.normal, i) != at(wave.geometric, i)) {
@@ -429,8 +433,7 @@ private:
                    met.planar ? met.hit.id : geometry::kNoPrimitive};
         }
         stage_.box.clipEnd(ray);
-        scratch_.shadowRays.push_back(ray);
-        scratch_.toLight.push_back(i);
+        return true;
     }
 
     /// What is seen of the light along its shadow ray, by number.
@@ -446,8 +449,7 @@ private:
         if (behind)
             visible *= material.transmission;
         else if (wave.halfway.at[i] > 0 && material.isMirror() && !visible.isBlack())
-            wave.power.at[i] =
-                numeric::pow(std::min(wave.halfway.at[i], 1.0), material.shininess);
+            wave.power.at[i] = numeric::pow(std::min(wave.halfway.at[i], 1.0), material.shininess);
         put(wave.visible, i, visible);
     }
 
