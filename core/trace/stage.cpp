@@ -27,13 +27,11 @@ bool overlap(const Box3d& a, const Box3d& b) {
     return true;
 }
 
-/// May a point lie on both of two spheres, within its error bounds? Not where one is outside of the other, or within it.
-bool mayTouch(const geometry::Sphere& a, const geometry::Sphere& b) {
+/// May a point lie on both of two spheres, within error bounds that sum to `slack`? Not where one is outside of the other,
+/// or within it.
+bool mayTouch(const geometry::Sphere& a, const geometry::Sphere& b, double slack) {
     const Vec3 apart = b.center - a.center;
     const double distance = std::sqrt(dot(apart, apart));
-    const double coordinates = numeric::maxComponent(numeric::abs(a.center)) +
-                               numeric::maxComponent(numeric::abs(b.center)) + a.radius + b.radius;
-    const double slack = numeric::gamma(64) * coordinates; // γ32 of each, and what is rounded here
     return distance <= a.radius + b.radius + slack &&
            distance + slack >= std::fabs(a.radius - b.radius);
 }
@@ -79,7 +77,11 @@ std::vector<bool> objectsThatMayCoincide(const world::World& world) {
             if ((may[e->object] || !e->transmits) && (may[next.object] || !next.transmits))
                 continue;
             if (!overlap(e->box, next.box)) continue;
-            if (e->sphere && next.sphere && !mayTouch(*e->sphere, *next.sphere)) continue;
+            if (e->sphere && next.sphere &&
+                !mayTouch(*e->sphere, *next.sphere,
+                          geometry::errorBoundWithin(e->box) +
+                              geometry::errorBoundWithin(next.box)))
+                continue;
             if (e->transmits) may[e->object] = true;
             if (next.transmits) may[next.object] = true;
         }

@@ -26,7 +26,8 @@ struct Wave {
     // Set by whoever adds an encounter. Spheres' surfaces come from `face`: until then `geometric` is the
     // point that was hit, from the centre, and position, normal and error are nothing.
     Columns direction, geometric, normal, position;
-    Column error;
+    Column error;       // `face` adds that of a second surface, which may coincide with this one
+    Column errorBeside; // at most, of that; of spheres their own
     MaskColumn isSphere;
     Columns center;
     Column radius;

@@ -102,7 +102,7 @@ inline V3 unit(V3 v) { return v / squareRoot(dot(v, v)); }
 void face(Wave& w, std::size_t count) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         V3 geometric = load(w.geometric, i), normal = load(w.normal, i);
-        F64 error = load(w.error, i);
+        F64 error = load(w.error, i), beside = load(w.errorBeside, i);
         const I64 isSphere = load(w.isSphere, i);
         if (any(isSphere)) {
             const V3 size = magnitude(geometric);
@@ -118,13 +118,14 @@ void face(Wave& w, std::size_t count) {
             error = select(isSphere,
                            kOfCenter * dot(magnitude(n), magnitude(center)) + kOfRadius * radius,
                            error);
+            beside = select(isSphere, error, beside);
         }
         const I64 leaving = dot(load(w.direction, i), geometric) > 0;
         store(w.leaving, i, leaving);
         store(w.geometric, i, select(leaving, -geometric, geometric));
         store(w.normal, i, select(leaving, -normal, normal));
         // Rays leave from beyond a second surface that coincides with this one: its bound too.
-        store(w.error, i, error + error);
+        store(w.error, i, error + beside);
     }
 }
 

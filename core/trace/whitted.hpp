@@ -294,6 +294,7 @@ private:
         put(wave.geometric, i, surface.geometricNormal);
         put(wave.normal, i, surface.shadingNormal);
         wave.error.at[i] = surface.error;
+        wave.errorBeside.at[i] = std::max(surface.error, stage_.ties.errorBesideOf(surface.id));
         wave.isSphere.at[i] = 0;
         Encounter& met = front.met.emplace_back();
         met.work = work;

@@ -329,6 +329,25 @@ TEST(Media, aCameraInsideOfGlassSeesOutAsComputedByHand) {
     EXPECT_TRUE(chain[1].media.empty());
 }
 
+TEST(Coincidence, isLookedForOnlyWhereSpheresMayTouch) {
+    const auto mayCoincide = [](const Vec3& center, double radius) {
+        SceneMaker scene;
+        const auto glass = scene.add(clear(1.5));
+        scene.sphere({0, 0, 0}, 1, glass);
+        scene.sphere(center, radius, glass);
+        const Stage stage(scene.octree(), scene.world, scene.description);
+        EXPECT_EQ(stage.mayCoincide[0], stage.mayCoincide[1]);
+        return stage.mayCoincide[0];
+    };
+    EXPECT_FALSE(mayCoincide({1.5, 1.5, 0}, 1)); // only their boxes overlap
+    EXPECT_FALSE(mayCoincide({0.1, 0, 0}, 0.5)); // within
+    EXPECT_TRUE(mayCoincide({1, 1, 0}, 1));      // they cross
+    EXPECT_TRUE(mayCoincide({0, 0, 0}, 1));
+    EXPECT_TRUE(mayCoincide({1.5, 0, 0}, 0.5));   // they touch
+    EXPECT_TRUE(mayCoincide({0, 0.25, 0}, 0.75)); // from within
+    EXPECT_TRUE(mayCoincide({0.6, 0.8, 0}, std::nextafter(2.0, 3.0)));
+}
+
 // ---- energy: STABILITY.md R4 ------------------------------------------------------------------
 
 TEST(Furnace, losslessGlassAndMirrorsDisappearInAConstantBackground) {
