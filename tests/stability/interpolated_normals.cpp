@@ -37,7 +37,7 @@ Facets look(int level, const Load& load) {
     const Vec3 light{2, 0, 3};
     scene.icosphere({0, 3, 0}, 1, level, true, scene.add(m));
     scene.light(light);
-    const std::uint32_t width = load.full ? 640 : 64, height = load.full ? 480 : 48;
+    const std::uint32_t width = load.width(64, 640), height = width * 3 / 4;
     scene.description.image.width = width, scene.description.image.height = height;
     scene.description.camera.screenDistance = 1.3;
     scene.octree();

@@ -62,8 +62,11 @@ void triangles(const Load& load, Table& table) {
                 (reach / cosine + 6 * beside * beside / seen * (farthest - nearest)) / length;
             sum.error(magnitude(Quad(hit.t) - exact) / (numeric::kUnitRoundoff * moved));
         });
-    table.measure("T2", "t on needles, in what rounding does to the problem", distance.worst,
-                  tolerance::kNeedleDistance, "u", distance.of);
+    table.measure(
+        "T2",
+        "t on needles, over what one rounding does to the problem (the kernel's shear alone is "
+        "three, in each of two components of a corner)",
+        distance.worst, tolerance::kNeedleDistance, "u", distance.of);
     for (const double thin : {1 / 1e3, 1 / 1e5, 1 / 1e6}) {
         const Tally normals =
             tally(load.of(5'000, 4'000'000), load.seed, [&](Random& random, Tally& sum) {
