@@ -3,7 +3,7 @@
 # RT_FARM_LONG=1 also loses a node in mid-film.
 set -euo pipefail
 # Whatever a daemon does, this ends.
-[[ -n ${RT_FARM_LIMITED:-} ]] || RT_FARM_LIMITED=1 exec timeout --kill-after=10 "${RT_FARM_LIMIT:-280}" "$0" "$@"
+[[ -n ${RT_FARM_LIMITED:-} ]] || RT_FARM_LIMITED=1 exec timeout --kill-after=10 "${RT_FARM_LIMIT:-560}" "$0" "$@"
 rt=$1
 source "$(dirname "${BASH_SOURCE[0]}")/two_nodes.sh"
 ((EUID == 0)) && command -v slurmctld munged setpriv >/dev/null || {

@@ -81,7 +81,7 @@ processes_of() {
 # begin_again: what Slurm would requeue in two minutes
 begin_again() {
     local id
-    for id in $(timeout 5 squeue -h -r -o %i -t PD 2>/dev/null); do
+    for id in $(timeout 5 squeue -h -r -t PD -o '%i %r' 2>/dev/null | awk '$2 !~ /^(Dependency|Resources|Priority)/ {print $1}'); do
         timeout 5 scontrol update JobId="$id" StartTime=now 2>/dev/null || true
     done
 }
