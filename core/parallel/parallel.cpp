@@ -13,6 +13,8 @@
 #include <array>
 #include <charconv>
 #include <fstream>
+#include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -128,12 +130,16 @@ int availableThreads() {
 
 void withThreads(int threads, const std::function<void()>& body) {
     const int count = threads > 0 ? threads : availableThreads();
-    // Where memory is short, here: neither an observer nor a global_control survives a failure to make the arena.
-    tbb::task_arena arena(count);
-    arena.initialize();
     // TBB starts no more workers than the machine has cores unless told.
-    const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(count));
+    auto workers = std::make_unique<tbb::global_control>(
+        tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+    tbb::task_arena arena(count);
+    try {
+        arena.initialize(); // here, since an observer that fails to do it cannot be destroyed
+    } catch (const std::bad_alloc&) {
+        (void)workers.release(); // its destructor would wait for what was not made
+        throw;
+    }
     const HandlerStacks stacks(arena);
     arena.execute([&] {
         const Inside inside;
