@@ -303,8 +303,8 @@ std::vector<std::string> Import::notes() const {
 }
 
 std::string notClosed(const std::string& name, std::uint32_t openEdges) {
-    return (name.empty() ? "" : name + ": ") + "the solid is not closed: it has " + std::to_string(openEdges) +
-           (openEdges == 1 ? " boundary edge" : " boundary edges");
+    return (name.empty() ? "" : name + ": ") + "the solid is not closed: it has " +
+           std::to_string(openEdges) + (openEdges == 1 ? " boundary edge" : " boundary edges");
 }
 
 MeshFile readMesh(const std::string& path, std::string bytes) {

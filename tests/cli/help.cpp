@@ -159,7 +159,8 @@ TEST_F(Completion, OfBashOffersWhatTheParserTakes) {
     write("old.inf", "");
     EXPECT_EQ(offered("rt re"), Words{"render"});
     EXPECT_EQ(offered("rt c"), (Words{"check", "convert", "compare", "completion"}));
-    EXPECT_EQ(offered("rt render --s"), (Words{"--size", "--set", "--sandbox", "--shade", "--strict", "--stats"}));
+    EXPECT_EQ(offered("rt render --s"),
+              (Words{"--size", "--set", "--sandbox", "--shade", "--strict", "--stats"}));
     EXPECT_EQ(offered("rt -q render --pro"), Words{"--progress"});
     EXPECT_EQ(offered("rt render --json"), Words{"--json-errors"});
     EXPECT_EQ(offered("rt render --shade ''"), (Words{"full", "normals", "depth", "id", "cost"}));

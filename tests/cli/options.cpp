@@ -691,24 +691,24 @@ void Options::addSandboxAndLimits(std::vector<Case>& rows) {
                  [this, line, limit, command](const Outcome& o) {
                      EXPECT_EQ(o.err, "");
                      // TODO: rt bench does not hold textures to their limit yet.
-                     const bool unheld = command == "bench" &&
-                                         std::string(limit.name) == "--limit-texture-pixels";
+                     const bool unheld =
+                         command == "bench" && std::string(limit.name) == "--limit-texture-pixels";
                      if (limit.tooLittle.empty() || unheld) return;
                      const Outcome less = rt(line + " " + limit.name + " " + limit.tooLittle);
                      EXPECT_EQ(less.exitCode, 7) << less.err;
                  },
                  line + " " + limit.name + " " + limit.zero,
                  error + limit.name + ": " + limit.must + "'" + limit.zero + "')" + see});
-        rows.push_back(
-            {command, "--sandbox",
-             command + " scene.yaml --sandbox" + (command == "view"    ? " --script keys.txt"
-                                                  : command == "bench" ? " -q --rounds 1"
-                                                                       : ""),
-             [this, line](const Outcome& o) {
-                 EXPECT_EQ(o.err, "");
-                 EXPECT_EQ(rt(line + " --sandbox").exitCode, 4);
-             },
-             line + " --sandbox=1", error + "--sandbox takes no value" + see});
+        rows.push_back({command, "--sandbox",
+                        command + " scene.yaml --sandbox" +
+                            (command == "view"    ? " --script keys.txt"
+                             : command == "bench" ? " -q --rounds 1"
+                                                  : ""),
+                        [this, line](const Outcome& o) {
+                            EXPECT_EQ(o.err, "");
+                            EXPECT_EQ(rt(line + " --sandbox").exitCode, 4);
+                        },
+                        line + " --sandbox=1", error + "--sandbox takes no value" + see});
         rows.push_back(
             {command, "--allow-read", line + " --sandbox --allow-read .",
              [](const Outcome& o) { EXPECT_EQ(o.err, ""); }, line + " --allow-read nowhere",

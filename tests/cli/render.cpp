@@ -502,8 +502,8 @@ TEST_F(Stats, CountTheSameOnAnyNumberOfThreads) {
     rt("render scene.yaml -o a.pfm --stats=7.json -t 7");
     const auto one = nlohmann::json::parse(read("1.json")),
                seven = nlohmann::json::parse(read("7.json"));
-    for (const char* const key : {"rays", "tests", "hits", "octree", "deepest_recursion", "cut_by_depth",
-                                  "cut_by_contribution", "not_finite"})
+    for (const char* const key : {"rays", "tests", "hits", "octree", "deepest_recursion",
+                                  "cut_by_depth", "cut_by_contribution", "not_finite"})
         EXPECT_EQ(one[key], seven[key]) << key;
 }
 
@@ -512,8 +512,7 @@ TEST_F(Stats, AreATableOnStderr) {
     EXPECT_EQ(outcome.out, "a.pfm\n");
     for (const char* const row :
          {"phase", "  trace", "rays", "  primary                          3 072", "tests",
-          "nearest hits",
-          "  spheres", "octree depth", "peak memory"})
+          "nearest hits", "  spheres", "octree depth", "peak memory"})
         EXPECT_NE(outcome.err.find(row), std::string::npos) << row;
     for (const std::string& line : linesOf(outcome.err)) {
         EXPECT_LE(line.size(), 80u);

@@ -23,8 +23,7 @@ bool hasAssimp() {
 std::vector<std::string> shippedScenes() {
     std::vector<std::string> paths;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(kScenes))
-        if (entry.path().extension() == ".yaml" &&
-            (hasAssimp() || entry.path().stem() != "assimp"))
+        if (entry.path().extension() == ".yaml" && (hasAssimp() || entry.path().stem() != "assimp"))
             paths.push_back(entry.path());
     return paths;
 }

@@ -20,7 +20,8 @@ void require(bool holds) {
 
 /// In memory where there is such a file system, so that syncing costs nothing.
 struct Folder {
-    std::string path = fs::exists("/dev/shm") ? "/dev/shm/rt_manifest_XXXXXX" : "rt_manifest_XXXXXX";
+    std::string path =
+        fs::exists("/dev/shm") ? "/dev/shm/rt_manifest_XXXXXX" : "rt_manifest_XXXXXX";
     Folder() { require(::mkdtemp(path.data()) != nullptr); }
     ~Folder() { fs::remove_all(path); }
 };
