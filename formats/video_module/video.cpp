@@ -86,6 +86,8 @@ void setQuality(AVCodecContext& codec, const std::string& name, int quality) {
         // Its frame threads change the bytes, and its note of itself holds the CPU's abilities.
         if (name == "libx265")
             av_opt_set(codec.priv_data, "x265-params", "log-level=error:frame-threads=2:info=0", 0);
+        // x264 164's AVX-512 code for it reads memory that nobody wrote.
+        if (name == "libx264") av_opt_set(codec.priv_data, "mbtree", "0", 0);
     } else if (name == "libvpx-vp9") {
         codec.bit_rate = 0;
         av_opt_set(codec.priv_data, "crf", crf(10, 55).c_str(), 0);
