@@ -188,9 +188,10 @@ private:
     /// n samples that all agree leave a squared error of 2 / ((n + 1)(n + 2)(n + 3)) on average where
     /// an edge is; 2 follows that within a factor of 1.3 for n of 4 to 16.
     static constexpr double kPriorSamples = 2;
-    /// ./dev stability --only adaptive_sampling: 12 scenes at 160x120, errors of 0.05, 0.02 and 0.01. 1.5 kept the
-    /// promise in 34 of these 36 pairs, 1.8 in all; of the 24 pairs of the small pictures 1.8 kept 22, 2.2 keeps all.
-    /// Things thinner than a fifth of a pixel can still be missed by all samples.
+    /// 12 scenes, errors of 0.05, 0.02 and 0.01. Against one reference grid 1.5 kept the promise in 34 of these 36 pairs at
+    /// 160x120 and 1.8 in all; of 24 pairs of small pictures 1.8 kept 22. At 64x48 2.2 keeps all 36; against the two grids of
+    /// `./dev stability --only adaptive_sampling` that was measured for 27. Things thinner than a fifth of a pixel can
+    /// still be missed by all samples.
     static constexpr double kCaution = 2.2;
 
     const View& view_;
