@@ -394,7 +394,7 @@ std::string asHtml(const std::vector<SceneReport>& reports, const Facts& facts) 
         "a line joins one configuration's scales. f64-robust is the product; the others share "
         "one scalar tracer and one tree, so f64-robust (scalar) over f32-naive is what being right "
         "costs there. The product over f32-naive is void as such a price: that one has neither the "
-        "octree's lanes nor its tuning, and does not reach 1.2 times Embree's default mode.",
+        "octree's lanes nor its tuning, and was not measured against Embree.",
         "Against the mean of two fine grids. max_error stops where its own estimate says so.",
         "What each feature of the scene costs; wrong pixels are those that it changes."};
     for (const SceneReport& report : reports) {
