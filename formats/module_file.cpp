@@ -1,10 +1,9 @@
 #include <formats/module_file.hpp>
 
-#include <cerrno>
-#include <cstring>
+#include <core/scene/load_failure.hpp>
+
 #include <dlfcn.h>
 #include <filesystem>
-#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -20,13 +19,9 @@ std::filesystem::path pathOf(const char* file) {
 
 const void* openModule(const char* file, const char* symbol, const char* what) {
     void* handle = dlopen(pathOf(file).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) {
-        const char* const said = dlerror();
-        const std::string words = said ? said : "out of memory";
-        if (words == "out of memory" || words.ends_with(std::strerror(ENOMEM)))
-            throw std::bad_alloc();
-        throw std::runtime_error(std::string(what) + " cannot be opened: " + words);
-    }
+    if (!handle)
+        throw std::runtime_error(std::string(what) +
+                                 " cannot be opened: " + scene::loadFailure(dlerror()));
     const void* address = dlsym(handle, symbol);
     if (!address) refuseForeignModule(file, what);
     return address;

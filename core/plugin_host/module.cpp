@@ -2,6 +2,7 @@
 
 #include <core/plugin_host/fault_report.hpp>
 #include <core/plugin_host/stamp.hpp>
+#include <core/scene/load_failure.hpp>
 #include <core/scene/validate.hpp>
 
 #include <dlfcn.h>
@@ -10,7 +11,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -184,16 +184,8 @@ std::variant<const rt_module*, std::string> openModule(const fs::path& path,
     // RTLD_NOW: a missing symbol fails here by name, not in the middle of a frame. RTLD_LOCAL:
     // plugins never see each other.
     void* library = dlopen(real.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) {
-        const char* const said = dlerror();
-        const std::string words = said != nullptr ? said : "out of memory";
-        // Two of the C library's words for it: what cannot be opened is open here.
-        if (words == "out of memory" || words.ends_with(std::strerror(ENOMEM)) ||
-            words.starts_with(real.string() + ": cannot open shared object file") ||
-            words.ends_with("cannot create shared object descriptor"))
-            throw std::bad_alloc(); // of no fault of the module
-        return "it cannot be opened (" + words + ")";
-    }
+    if (library == nullptr)
+        return "it cannot be opened (" + scene::loadFailure(dlerror(), real.string()) + ")";
     std::string why;
     const auto* module = static_cast<const rt_module*>(dlsym(library, "rt_plugin_entry"));
     Dl_info info{};
