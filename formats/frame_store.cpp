@@ -27,21 +27,15 @@ constexpr scene::Code kNoManifest{406}, kWriteFailed{605}, kInUse{608}, kHasFram
     kOtherSettings{610};
 constexpr std::string_view kMagic = "rt-frames 1\n";
 
-/// Of a regular file; nothing else is read, nor a file of another size than `size`.
-std::optional<std::string> readAll(const std::string& path,
+/// A file of rt's own `folder`, if it has `size` bytes.
+std::optional<std::string> readAll(const std::string& folder, const std::string& path,
                                    std::optional<std::uint64_t> size = {}) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (file < 0) return {};
-    struct ::stat facts {};
-    const bool wanted = ::fstat(file, &facts) == 0 && S_ISREG(facts.st_mode) &&
-                        size.value_or(facts.st_size) == static_cast<std::uint64_t>(facts.st_size);
-    std::string text;
-    char buffer[1 << 16];
-    ssize_t n = wanted ? 0 : -1;
-    while (wanted && ((n = ::read(file, buffer, sizeof buffer)) > 0 || (n < 0 && errno == EINTR)))
-        if (n > 0) text.append(buffer, static_cast<std::size_t>(n));
-    ::close(file);
-    return n == 0 ? std::optional(std::move(text)) : std::nullopt;
+    const auto opened = scene::InputFile::open(path, folder.empty() ? "." : folder);
+    const auto* file = std::get_if<scene::InputFile>(&opened);
+    if (!file || size.value_or(file->size()) != file->size()) return {};
+    auto text = file->read();
+    auto* const read = std::get_if<std::string>(&text);
+    return read ? std::optional(std::move(*read)) : std::nullopt;
 }
 
 void append(int file, std::string_view line, const std::string& path) {
@@ -200,7 +194,7 @@ std::optional<FrameStore> FrameStore::open(const FramePlace& place, const Settin
     sweep(place);
 
     const std::string path = store.place_.pathOf(place.manifest);
-    const auto before = readAll(path);
+    const auto before = readAll(place.folder, path);
     const bool isManifest = before && before->starts_with(kMagic);
     bool clean = isManifest && store.parse(*before);
     if (!store.entries_.empty() && mode == Mode::fresh)
@@ -232,7 +226,7 @@ std::optional<FrameStore> FrameStore::open(const FramePlace& place, const Settin
 std::optional<FrameStore> FrameStore::read(const FramePlace& place,
                                            scene::Diagnostics& diagnostics) {
     FrameStore store(place);
-    const auto manifest = readAll(store.place_.pathOf(place.manifest));
+    const auto manifest = readAll(place.folder, store.place_.pathOf(place.manifest));
     if (!manifest || !manifest->starts_with(kMagic)) {
         diagnostics.error(kNoManifest, whole(place.folder),
                           "is no folder of frames: it has no manifest");
@@ -257,7 +251,7 @@ std::vector<std::uint32_t> FrameStore::listed() const {
 std::optional<std::vector<std::byte>> FrameStore::load(std::uint32_t frame) const {
     const auto found = entries_.find(frame);
     if (found == entries_.end()) return {};
-    const auto text = readAll(place_.pathOf(found->second.file), found->second.size);
+    const auto text = readAll(place_.folder, place_.pathOf(found->second.file), found->second.size);
     if (!text || checksum(*text) != found->second.checksum) return {};
     const auto* first = reinterpret_cast<const std::byte*>(text->data());
     return std::vector(first, first + text->size());

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Code kNoSuchFile{401}, kNotReadable{402}, kNotRegular{403}, kOutside{404};
+constexpr Code kNoSuchFile{401}, kNotReadable{402}, kNotRegular{403}, kOutside{404}, kTooLarge{710};
 
 constexpr const char* kWhyOutside = "lies outside of the folders that --sandbox allows";
 
@@ -57,12 +57,19 @@ std::string placeOf(int fd) {
     return size <= 0 ? "" : std::string(place.data(), static_cast<std::size_t>(size));
 }
 
+bool liesIn(const std::string& folder, const std::string& place) {
+    return place.starts_with(folder) && (folder.ends_with('/') || place[folder.size()] == '/');
+}
+
 bool isReadable(const std::string& place) {
     return std::any_of(confinement.folders.begin(), confinement.folders.end(),
-                       [&](const std::string& folder) {
-                           return place.starts_with(folder) &&
-                                  (folder.ends_with('/') || place[folder.size()] == '/');
-                       });
+                       [&](const std::string& folder) { return liesIn(folder, place); });
+}
+
+bool liesInOwn(const std::string& own, const std::string& place) {
+    std::error_code error;
+    const fs::path real = fs::canonical(own.empty() ? "." : own, error);
+    return !error && liesIn(real.string(), place);
 }
 
 } // namespace
@@ -80,7 +87,8 @@ bool readingIsConfined() { return confinement.active; }
 
 const std::vector<std::string>& readableFolders() { return confinement.folders; }
 
-std::variant<InputFile, FileRefusal> InputFile::open(const std::string& path) {
+std::variant<InputFile, FileRefusal> InputFile::open(const std::string& path,
+                                                     const std::string& own) {
     if (path.find('\0') != std::string::npos)
         return FileRefusal{kNoSuchFile, "there is no such file"};
     // O_PATH looks without opening: a device does not notice, a pipe does not wait.
@@ -95,8 +103,10 @@ std::variant<InputFile, FileRefusal> InputFile::open(const std::string& path) {
             return refusal;
         return FileRefusal{kOutside, kWhyOutside};
     }
-    if (confinement.active && !isReadable(placeOf(look.value)))
-        return FileRefusal{kOutside, kWhyOutside};
+    if (confinement.active)
+        if (const std::string place = placeOf(look.value);
+            !isReadable(place) && (own.empty() || !liesInOwn(own, place)))
+            return FileRefusal{kOutside, kWhyOutside};
     if (!S_ISREG(status.st_mode))
         return FileRefusal{kNotRegular,
                            "is " + std::string(kindOf(status.st_mode)) + ", not a file"};
@@ -112,6 +122,23 @@ std::variant<InputFile, FileRefusal> InputFile::open(const std::string& path) {
                            "is " + std::string(kindOf(status.st_mode)) + ", not a file"};
     file.size_ = static_cast<std::uint64_t>(status.st_size);
     return file;
+}
+
+std::variant<std::string, FileRefusal> InputFile::read(std::uint64_t maxBytes) const {
+    if (size_ > maxBytes) return FileRefusal{kTooLarge, tooLarge(maxBytes)};
+    std::string text;
+    std::size_t size = 0;
+    for (;;) { // files of /proc say that they are empty; files may grow
+        text.resize(std::max(size + 65536, static_cast<std::size_t>(size_) + 1));
+        const ssize_t got = ::read(fd_, text.data() + size, text.size() - size);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return refusalOf(errno);
+        size += static_cast<std::size_t>(got);
+        if (size > maxBytes) return FileRefusal{kTooLarge, tooLarge(maxBytes)};
+        if (got == 0) break;
+    }
+    text.resize(size);
+    return text;
 }
 
 InputFile::~InputFile() {

@@ -19,7 +19,8 @@ bool readingIsConfined();
 const std::vector<std::string>& readableFolders();
 
 struct FileRefusal {
-    Code code; // E0401 missing, E0402 unreadable, E0403 not regular, E0404 outside of the sandbox
+    Code
+        code; // E0401 missing, E0402 unreadable, E0403 not regular, E0404 outside of the sandbox, E0710 too large
     std::string reason; // a clause: "is a folder, not a file"
 };
 
@@ -27,12 +28,16 @@ struct FileRefusal {
 /// if another takes its path meanwhile.
 class InputFile {
 public:
-    static std::variant<InputFile, FileRefusal> open(const std::string& path);
+    /// `own`: a folder that rt itself writes; what really lies in it is read in spite of the sandbox.
+    static std::variant<InputFile, FileRefusal> open(const std::string& path,
+                                                     const std::string& own = {});
     InputFile(InputFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)), size_(other.size_) {}
     InputFile& operator=(InputFile&&) = delete;
     ~InputFile();
     int fd() const { return fd_; }
     std::uint64_t size() const { return size_; } // bytes when it was opened
+    /// All of it, also where it has grown since; refused with E0710 beyond `maxBytes`. Call once.
+    std::variant<std::string, FileRefusal> read(std::uint64_t maxBytes = UINT64_MAX) const;
 
 private:
     InputFile(int fd, std::uint64_t size) : fd_(fd), size_(size) {}

@@ -2,18 +2,7 @@
 
 #include <core/scene/input_file.hpp>
 
-#include <algorithm>
-#include <cerrno>
-#include <system_error>
-
-#include <unistd.h>
-
 namespace rt::scene {
-namespace {
-
-constexpr Code kNotReadable{402}, kTooLarge{710};
-
-} // namespace
 
 std::shared_ptr<const Source> readSource(const std::string& path, std::uint64_t maxBytes,
                                          Diagnostics& diagnostics, const Location& namedAt) {
@@ -28,23 +17,10 @@ std::shared_ptr<const Source> readSource(const std::string& path, std::uint64_t 
     const auto opened = InputFile::open(path);
     if (const auto* refusal = std::get_if<FileRefusal>(&opened))
         return refuse(refusal->code, refusal->reason);
-    const auto& file = std::get<InputFile>(opened);
-    if (file.size() > maxBytes) return refuse(kTooLarge, tooLarge(maxBytes));
-
-    std::string& text = source->text;
-    std::size_t size = 0;
-    for (;;) { // files of /proc say that they are empty; files may grow
-        text.resize(std::max(size + 65536, static_cast<std::size_t>(file.size()) + 1));
-        const ssize_t got = ::read(file.fd(), text.data() + size, text.size() - size);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0)
-            return refuse(kNotReadable,
-                          "cannot be read: " + std::generic_category().message(errno));
-        size += static_cast<std::size_t>(got);
-        if (size > maxBytes) return refuse(kTooLarge, tooLarge(maxBytes));
-        if (got == 0) break;
-    }
-    text.resize(size);
+    auto text = std::get<InputFile>(opened).read(maxBytes);
+    if (const auto* refusal = std::get_if<FileRefusal>(&text))
+        return refuse(refusal->code, refusal->reason);
+    source->text = std::move(std::get<std::string>(text));
     return source;
 }
 

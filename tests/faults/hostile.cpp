@@ -79,8 +79,8 @@ TEST_F(Hostile, FilesAreRefused) {
             const bool eitherWay = f.format == Format::picture && o.exitCode + f.exitCode == 11;
             EXPECT_TRUE(o.exitCode == f.exitCode || eitherWay)
                 << o.exitCode << ", not " << f.exitCode << ": " << o.err.substr(0, 500);
-            EXPECT_LT(o.cpuSeconds, kMaxSeconds);
-            EXPECT_LT(o.peakBytes, kMaxBytes);
+            EXPECT_TRUE(kSanitized || o.cpuSeconds < kMaxSeconds) << o.cpuSeconds;
+            EXPECT_TRUE(kSanitized || o.peakBytes < kMaxBytes) << o.peakBytes;
             if (f.exitCode != 0) {
                 EXPECT_TRUE(std::regex_search(o.err.substr(0, 2000), located(o.exitCode)))
                     << o.err.substr(0, 500);
