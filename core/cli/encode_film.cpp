@@ -4,6 +4,7 @@
 #include <core/cli/output.hpp>
 #include <core/cli/progress.hpp>
 #include <core/image/quantize.hpp>
+#include <core/plugin_host/fault_report.hpp>
 #include <formats/atomic_file.hpp>
 #include <formats/image_reader.hpp>
 
@@ -123,6 +124,7 @@ bool encodeFilm(const formats::FrameStore& store, const FilmFile& file, Progress
             if (!writer) {
                 settings = settingsOf(store, file, picture->frame);
                 noteOddSides(file, settings, diagnostics);
+                const plugin_host::OpeningLibrary opening("the film encoder");
                 writer.emplace(temporary.path(), settings);
             }
             writer->add(bytesOf(picture->frame, encoding));

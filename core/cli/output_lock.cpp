@@ -84,6 +84,8 @@ std::optional<OutputLock> OutputLock::take(const std::string& path,
     name.resize(std::min<std::size_t>(name.size(), NAME_MAX - 6));
     const std::string file = (target.parent_path() / ("." + name + ".lock")).string();
     for (;;) {
+        // Before the file: where there is no memory for it, no file is left.
+        auto remembered = std::make_unique<const std::string>(file);
         const int fd =
             ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
         if (fd < 0) {
@@ -91,7 +93,7 @@ std::optional<OutputLock> OutputLock::take(const std::string& path,
                               "cannot be locked: " + std::generic_category().message(errno));
             return {};
         }
-        OutputLock lock(fd, std::make_unique<const std::string>(file));
+        OutputLock lock(fd, std::move(remembered));
         if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
             lock.file_.reset(); // not ours to remove
             diagnostics.error(kInUse, wholeFile(path), "is being written by " + read(fd));

@@ -18,7 +18,7 @@
 namespace rt::plugin_host {
 namespace {
 
-constexpr int kExitPlugin = 5, kExitInternal = 70; // as in core/cli/exit_codes.hpp
+constexpr int kExitPlugin = 5, kExitOutput = 6, kExitInternal = 70; // as in core/cli/exit_codes.hpp
 
 struct NamedCall {
     std::atomic<const void*> function;
@@ -29,6 +29,7 @@ std::atomic<std::size_t> namedCallCount{0};
 
 constinit thread_local std::atomic<const Call*> runningCall{
     nullptr}; // loaders may run side by side
+constinit thread_local std::atomic<const char*> openingLibrary{nullptr};
 std::atomic<bool> exitExpected{false}, saysJson{false};
 std::atomic<pid_t> reportingThread{0};
 
@@ -136,17 +137,25 @@ std::string_view describe(int signalNumber) {
     }
 }
 
-/// "scene.yaml:3:5: error[E0533]: shape 'torus': … in its lower, at torus.rtplugin.so+0x1234". True: a plugin was it.
-bool report(int signalNumber, const StackWalk& walk, bool stackIsReadable) {
+/// "scene.yaml:3:5: error[E0533]: shape 'torus': … in its lower, at torus.rtplugin.so+0x1234". The exit code.
+int report(int signalNumber, const StackWalk& walk, bool stackIsReadable) {
     Line line;
     const Call* const call = runningCall;
     const bool inPlugin = !walk.innermost.file.empty() || (call != nullptr && !stackIsReadable);
     if (!inPlugin) {
         // Whoever ended the program like this, it was not a plugin.
-        line.raw(saysJson ? "{\"severity\":\"error\",\"exit\":70,\"message\":\"" : "rt: error: ")
-            << "internal error: " << describe(signalNumber) << "; please report it";
+        const char* const library = openingLibrary;
+        if (library != nullptr)
+            line.raw(saysJson ? "{\"severity\":\"error\",\"code\":\"E0606\",\"message\":\""
+                              : "rt: error[E0606]: ")
+                << library << " cannot be opened: a library of it ended in "
+                << describe(signalNumber) << "; nothing is written";
+        else
+            line.raw(saysJson ? "{\"severity\":\"error\",\"exit\":70,\"message\":\""
+                              : "rt: error: ")
+                << "internal error: " << describe(signalNumber) << "; please report it";
         line.raw(saysJson ? "\"}" : "").print();
-        return false;
+        return library != nullptr ? kExitOutput : kExitInternal;
     }
     const bool isLocated = call != nullptr && call->location.source != nullptr;
     if (isLocated && saysJson)
@@ -178,7 +187,7 @@ bool report(int signalNumber, const StackWalk& walk, bool stackIsReadable) {
     }
     line << "; nothing is written";
     line.raw(saysJson ? "\"}" : "").print();
-    return true;
+    return kExitPlugin;
 }
 
 bool coreIsWanted() {
@@ -192,24 +201,24 @@ extern "C" void onFault(int number) {
         if (nobody != gettid())
             for (;;) pause(); // one report is enough
         // The fault is in the report: the stack is damaged.
-        _exit(report(number, {}, false) ? kExitPlugin : kExitInternal);
+        _exit(report(number, {}, false));
     }
     StackWalk walk;
     _Unwind_Backtrace(visitFrame, &walk);
-    const bool inPlugin = report(number, walk, true);
+    const int exitCode = report(number, walk, true);
     if (coreIsWanted()) {
         std::signal(number, SIG_DFL);
         raise(number); // delivered on return, where the fault happened
         return;
     }
-    _exit(inPlugin ? kExitPlugin : kExitInternal);
+    _exit(exitCode);
 }
 
 void onExit() {
     if (exitExpected) return;
     StackWalk walk;
     _Unwind_Backtrace(visitFrame, &walk);
-    _exit(report(0, walk, true) ? kExitPlugin : kExitInternal);
+    _exit(report(0, walk, true));
 }
 
 alignas(16) std::array<char, std::size_t{1} << 16> handlerStack; // for the main thread's overflow
@@ -251,5 +260,8 @@ void nameCall(const void* function, const char* call) {
 
 RunningCall::RunningCall(const Call& call) : before_(runningCall.exchange(&call)) {}
 RunningCall::~RunningCall() { runningCall = before_; }
+
+OpeningLibrary::OpeningLibrary(const char* what) { openingLibrary = what; }
+OpeningLibrary::~OpeningLibrary() { openingLibrary = nullptr; }
 
 } // namespace rt::plugin_host

@@ -7,7 +7,8 @@ namespace rt::plugin_host {
 
 /// Installs a handler of SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, unless somebody else (a sanitizer) has one, and
 /// looks at who calls exit(). What they say goes to stderr; then the program ends with exit code 5 when a plugin's
-/// code was running and 70 otherwise, or by the signal itself where core files are wanted (ulimit -c).
+/// code was running, 6 when an output's library was being opened and 70 otherwise, or by the signal itself where core
+/// files are wanted (ulimit -c).
 void reportFaults();
 
 /// What they say is a line of JSON from now on, shaped as the other diagnostics are.
@@ -33,6 +34,16 @@ public:
 
 private:
     const Call* before_; // a shape's call goes on after the loader's inside it
+};
+
+/// While it lives, this thread opens libraries of others to write an output: a fault is not called rt's own. libgcrypt, which
+/// FFmpeg brings, aborts where it cannot read a file of the system's.
+class OpeningLibrary {
+public:
+    explicit OpeningLibrary(const char* what); // "the film encoder", a literal
+    ~OpeningLibrary();
+    OpeningLibrary(const OpeningLibrary&) = delete;
+    OpeningLibrary& operator=(const OpeningLibrary&) = delete;
 };
 
 } // namespace rt::plugin_host

@@ -1,6 +1,7 @@
-/* LD_PRELOAD: makes the n-th call of one kind fail, counted from the start of main.
+/* LD_PRELOAD: makes the n-th call of one kind fail, counted from the start of main or from an opening.
    FAIL_CALL  open, read, write, short (half of a write), close, fsync, rename, space (statvfs says that none is left) or malloc
    FAIL_AT    n, from 1          FAIL_ERRNO  errno of it, ENOSPC by default
+   FAIL_AFTER end of a file's name: calls are counted from its opening; empty: from the start of main
    FAIL_MARK  a file that is made when the call has been struck */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -19,7 +20,7 @@ static const char* const names[KINDS] = {"none",  "open",  "read",   "write", "s
                                          "close", "fsync", "rename", "space", "malloc"};
 static int kind, error_number, started;
 static long at, count;
-static const char* mark;
+static const char *mark, *after = "";
 
 static int strikes(int which) {
     if (!started || kind != which || __atomic_add_fetch(&count, 1, __ATOMIC_RELAXED) != at)
@@ -32,7 +33,7 @@ static int strikes(int which) {
 
 static int (*real_main)(int, char**, char**);
 static int counted_main(int argc, char** argv, char** envp) {
-    started = 1;
+    started = *after == '\0';
     return real_main(argc, argv, envp);
 }
 
@@ -46,6 +47,7 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
     if (kind != NONE) {
         at = atol(getenv("FAIL_AT"));
         mark = getenv("FAIL_MARK");
+        if (getenv("FAIL_AFTER") != NULL) after = getenv("FAIL_AFTER");
         error_number = getenv("FAIL_ERRNO") != NULL ? atoi(getenv("FAIL_ERRNO")) : ENOSPC;
         if (kind == MALLOC) error_number = ENOMEM;
     }
@@ -61,6 +63,8 @@ int open(const char* path, int flags, ...) {
     va_start(arguments, flags);
     const int mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, int) : 0;
     va_end(arguments);
+    const size_t size = strlen(path), end = strlen(after);
+    if (end > 0 && size >= end && strcmp(path + size - end, after) == 0) started = 1;
     return strikes(OPEN) ? -1 : (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
 }
 FILE* fopen(const char* path, const char* mode) {
