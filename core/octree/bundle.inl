@@ -219,6 +219,10 @@ inline float setLimits(Bundle& b) {
     return largestOf(limit);
 }
 
+inline F32 row(const Node& node, std::uintptr_t offset) {
+    return load(reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset));
+}
+
 /// The children whose boxes any ray may meet in [0, limit].
 inline unsigned mayMeet(const Node& node, const BundleBoxes& b, F32 limit, F32& enter) {
     const auto earlier = [&](int axis) {
@@ -308,7 +312,7 @@ inline Wide shearForFilter(const Bundle& b, const float* x, const float* y, cons
         const Wide py = minusProduct(allWide(y[i]) - oy, shearY, pz);
         store(to.x[i], px);
         store(to.y[i], py);
-        most = larger(most, larger(magnitude(px), magnitude(py)));
+        most = largerMagnitude(most, largerMagnitude(px, py));
     }
     return (most + allWide(b.filterError)) * allWide(kEdgeError * b.filterError);
 }
@@ -325,13 +329,14 @@ inline unsigned filterTriangle(const FilterCorners<kCorners>& p, unsigned a, uns
              bitsLess(bound, larger(larger(u, v), w)));
 }
 
-/// Corners of a block, brought to where Bundle::filterX is.
+/// Corners of a block, brought to where Bundle::filterX is. Products with the scale round nothing.
 template <class Float>
 inline Wide filterCoordinates(const TreeView& tree, const Bundle& b, int axis, const Float* low,
                               const Float* high) {
-    const F64 center = all(tree.center[axis]), scale = all(tree.scale),
+    const F64 scale = all(tree.scale), center = all(tree.center[axis] * tree.scale),
               from = all(b.reference[axis]);
-    return narrow((widened(low) - center) * scale - from, (widened(high) - center) * scale - from);
+    return narrow(productMinus(widened(low), scale, center) - from,
+                  productMinus(widened(high), scale, center) - from);
 }
 
 /// Pairs of a triangle and 8 rays that the filter leaves, bit per triangle.
@@ -518,10 +523,11 @@ inline Frame frameAt(const Bundle& b, const Ray& ray, int i) {
     return f;
 }
 
-inline BoxLanes lanesAt(const Bundle& b, int i) {
-    return {all(b.inverse[0][i]), all(b.inverse[1][i]), all(b.inverse[2][i]), all(b.enter[0][i]),
-            all(b.enter[1][i]),   all(b.enter[2][i]),   all(b.leave[0][i]),   all(b.leave[1][i]),
-            all(b.leave[2][i]),   b.boxes.near[0],      b.boxes.near[1],      b.boxes.near[2]};
+inline BoxLanes lanesAt(const TreeView& tree, const Bundle& b, int i) {
+    return {all(b.inverse[0][i]),       all(b.inverse[1][i]),       all(b.inverse[2][i]),
+            all(b.enter[0][i]),         all(b.enter[1][i]),         all(b.enter[2][i]),
+            all(b.leave[0][i]),         all(b.leave[1][i]),         all(b.leave[2][i]),
+            nearRow(tree, b.mirror, 0), nearRow(tree, b.mirror, 1), nearRow(tree, b.mirror, 2)};
 }
 
 inline Best bestAt(const Bundle& b, int i) {
@@ -545,11 +551,11 @@ template <bool kCount, bool kAny>
                                      const Order& order, Bundle& b, int i, Visits* visits) {
     const Frame f = frameAt(b, ray, i);
     if (kAny)
-        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(b, i),
+        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i),
                                                      b.limit[i], f, b.exclude[i], b.t[i], visits))
                << i;
     Best best = bestAt(b, i);
-    closestFrom<kCount>(tree, reference, ray, lanesAt(b, i), order,
+    closestFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i), order,
                         {b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i], best, visits);
     return take(b, i, best);
 }

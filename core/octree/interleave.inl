@@ -40,10 +40,8 @@ inline bool start(const TreeView& tree, const Ray* rays, std::size_t count, std:
     constexpr bool kAny = sizeof(Answer) == 1;
     for (; next < count; ++next) {
         const Ray& ray = rays[next];
-        alignas(32) double inverses[4], factor;
-        BoxRay box;
-        setUpBoxRay(tree, ray, box, inverses, factor);
-        w.frame = frameOf(tree, ray, inverses, factor);
+        const BoxRay box = boxRayOf(tree, ray);
+        w.frame = frameOf(tree, ray);
         w.exclude = static_cast<std::uint32_t>(ray.exclude);
         w.best = {ray.tMax, 0, 0, nullptr};
         w.last = below(ray.tMax);
@@ -60,7 +58,7 @@ inline bool start(const TreeView& tree, const Ray* rays, std::size_t count, std:
             conclude(w.best, any, answers + next);
             continue;
         }
-        w.lanes = lanesOf(box);
+        w.lanes = lanesOf(tree, box);
         w.order = orderOf(box.mirror);
         w.limits = box.limits;
         w.limit = limitOf(box.limits, w.best.t);
@@ -89,7 +87,7 @@ inline bool walk(const TreeView& tree, const Ray& ray, Walk& w, Visits* visits) 
             const Node& node = tree.nodes[current];
             if (kCount) ++visits->nodes;
             F32 enter;
-            mask = meets(node, lanes, all(limit), enter);
+            mask = meets(current, lanes, all(limit), enter);
             if (mask)
                 current = kAny ? pushAny(node, mask, w.references, top)
                                : pushFar(order, node, enter, mask, w.references, w.enters, top);

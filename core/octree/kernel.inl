@@ -25,9 +25,9 @@ struct Limits {
 /// leaving plane no earlier than the exact one, and leaves 1u/|d|, 10^8 f64 roundings, for what the
 /// f64 part and the leaf tests round. Origins farther than kNear are first moved along the ray to the
 /// cube [−1, 1]³; what that rounds grows with the distance and is added to s.
-struct alignas(16) BoxRay {
-    float inverse[4], enter[4], leave[4]; // [3]: unused
-    unsigned mirror;                      // bit per axis: direction is negative
+struct BoxRay {
+    Four inverse, enter, leave; // [3]: unused
+    unsigned mirror;            // bit per axis: direction is negative
     Limits limits;
     bool misses; // the whole cube
 };
@@ -121,109 +121,116 @@ inline float limitOf(const Limits& limits, double t) {
     return notNegative(static_cast<float>(productPlus(t, limits.factor, limits.offset)));
 }
 
-[[gnu::always_inline]] inline void setPlanes(BoxRay& b, Quad origin, Quad inverse, double extra) {
-    const Quad slack = (allQuad(kSlack) * (allQuad(1.0) + magnitude(origin)) + allQuad(extra)) *
-                       magnitude(inverse);
-    const Quad t = origin * inverse;
-    storeNarrow(b.inverse, inverse);
-    storeNarrow(b.enter, t + slack);
-    storeNarrow(b.leave, t - slack);
-}
-
 inline Quad originOf(const TreeView& tree, const Ray& ray) {
     return withFourth((loadQuad(&ray.origin.x) - loadQuad(tree.center)) * allQuad(tree.scale), 0);
 }
 
-/// setUpBoxRay, for rays that start far away or have very short or long directions.
-[[gnu::noinline]] void setUpAnyBoxRay(const TreeView& tree, const Ray& ray, BoxRay& b,
-                                      double inverses[4], double& factor) {
+/// A ray in octree space, close to the cube.
+struct Start {
+    alignas(32) double origin[4], direction[4];
+    double extra; // slack for what moving the origin rounds
+    Limits limits;
+    bool misses;
+};
+
+/// For rays that start far away or have very short or long directions.
+[[gnu::noinline]] void moveStart(const TreeView& tree, const Ray& ray, Start& s) {
     const Normalized n = normalized(ray);
-    factor = n.factor;
-    b.misses = !n.isFinite;
-    b.mirror = signsOf(n.direction);
-    const Quad d = clampedDirection(n), inverse = allQuad(1.0) / d;
-    store(inverses, inverse);
-    alignas(32) double at[4];
-    store(at, originOf(tree, ray));
-    double distance = 0, shift = 0, extra = 0;
+    const Quad direction = clampedDirection(n);
+    store(s.origin, originOf(tree, ray));
+    store(s.direction, direction);
+    s.extra = 0;
+    s.misses = !n.isFinite;
+    double distance = 0, shift = 0;
     for (int i = 0; i < 3; ++i)
-        if (!(absolute(at[i]) <= distance)) distance = absolute(at[i]);
+        if (!(absolute(s.origin[i]) <= distance)) distance = absolute(s.origin[i]);
     if (!(distance <= kTooFar)) { // or NaN
         // Every box is met; the planes of empty slots stay infinite.
-        for (int i = 0; i < 3; ++i) {
-            b.inverse[i] = 1;
-            b.enter[i] = 0x1p127f;
-            b.leave[i] = -0x1p127f;
-        }
-        b.mirror = 0;
-        b.limits = limitsOf(__builtin_inf(), 0);
+        store(s.origin, allQuad(0));
+        store(s.direction, allQuad(1));
+        s.extra = 0x1p120;
+        s.limits = limitsOf(__builtin_inf(), 0);
         return;
     }
     if (!(distance <= kNear)) {
-        alignas(32) double direction[4];
-        store(direction, d);
-        if (!moveNear(inverses, direction, distance, at, shift, extra)) b.misses = true;
-        at[3] = 0;
+        alignas(32) double inverses[4];
+        store(inverses, allQuad(1.0) / direction);
+        if (!moveNear(inverses, s.direction, distance, s.origin, shift, s.extra)) s.misses = true;
+        s.origin[3] = 0;
     }
-    b.limits = limitsOf(tree.scale * n.inverse, shift);
-    setPlanes(b, loadQuad(at), inverse, extra);
+    s.limits = limitsOf(tree.scale * n.inverse, shift);
 }
 
-/// `inverses`: of the direction times `factor`, a power of two; exact where they are not tiny.
-[[gnu::always_inline]] inline void setUpBoxRay(const TreeView& tree, const Ray& ray, BoxRay& b,
-                                               double inverses[4], double& factor) {
-    const Quad direction = withFourth(loadQuad(&ray.direction.x), 1), size = magnitude(direction);
-    const Quad origin = originOf(tree, ray);
+[[gnu::always_inline]] inline BoxRay boxRayOf(const TreeView& tree, const Ray& ray) {
+    Quad direction = withFourth(loadQuad(&ray.direction.x), 1), origin = originOf(tree, ray);
+    const Quad size = magnitude(direction);
+    BoxRay b;
+    double extra = 0;
     const unsigned ordinary =
         bitsLessEqual(size, allQuad(kLong)) & bitsLessEqual(magnitude(origin), allQuad(kNear)) & 7;
-    if (ordinary != 7 || !(bitsLessEqual(allQuad(kShort), size) & 7)) [[unlikely]]
-        return setUpAnyBoxRay(tree, ray, b, inverses, factor);
-    factor = 1;
-    b.misses = false;
+    if (ordinary == 7 && bitsLessEqual(allQuad(kShort), size) & 7) [[likely]] {
+        direction = withSignOf(larger(size, allQuad(kSmallestOrdinary)), direction);
+        b.misses = false;
+        b.limits = limitsOf(tree.scale, 0);
+    } else {
+        Start s;
+        moveStart(tree, ray, s);
+        origin = loadQuad(s.origin);
+        direction = loadQuad(s.direction);
+        extra = s.extra;
+        b.misses = s.misses;
+        b.limits = s.limits;
+    }
     b.mirror = signsOf(direction);
-    const Quad inverse =
-        allQuad(1.0) / withSignOf(larger(size, allQuad(kSmallestOrdinary)), direction);
-    store(inverses, inverse);
-    b.limits = limitsOf(tree.scale, 0);
-    setPlanes(b, origin, inverse, 0);
+    const Quad inverse = allQuad(1.0) / direction, t = origin * inverse;
+    const Quad slack = (allQuad(kSlack) * (allQuad(1.0) + magnitude(origin)) + allQuad(extra)) *
+                       magnitude(inverse);
+    b.inverse = narrow(inverse);
+    b.enter = narrow(t + slack);
+    b.leave = narrow(t - slack);
+    return b;
 }
 
-/// A BoxRay in registers.
+/// A BoxRay as the 8 boxes of a node meet it.
 struct BoxLanes {
     F32 inverseX, inverseY, inverseZ, enterX, enterY, enterZ, leaveX, leaveY, leaveZ;
-    std::uintptr_t nearX, nearY, nearZ; // offsets of rows of Node::planes, bytes
+    std::uintptr_t nearX, nearY, nearZ; // addresses of rows of the first Node::planes
 };
 
 constexpr std::uintptr_t kRow = kLanes * sizeof(float);
 
-inline BoxLanes lanesOf(const BoxRay& b) {
-    return {all(b.inverse[0]),
-            all(b.inverse[1]),
-            all(b.inverse[2]),
-            all(b.enter[0]),
-            all(b.enter[1]),
-            all(b.enter[2]),
-            all(b.leave[0]),
-            all(b.leave[1]),
-            all(b.leave[2]),
-            kRow * (b.mirror & 1),
-            kRow * (2 + (b.mirror >> 1 & 1)),
-            kRow * (4 + (b.mirror >> 2))};
+/// The row of the first node where a ray enters boxes along an axis.
+inline std::uintptr_t nearRow(const TreeView& tree, unsigned mirror, unsigned axis) {
+    return reinterpret_cast<std::uintptr_t>(tree.nodes) + kRow * (2 * axis + (mirror >> axis & 1));
 }
 
-inline F32 row(const Node& node, std::uintptr_t offset) {
-    return load(reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + offset));
+inline BoxLanes lanesOf(const TreeView& tree, const BoxRay& b) {
+    return {all<0>(b.inverse),
+            all<1>(b.inverse),
+            all<2>(b.inverse),
+            all<0>(b.enter),
+            all<1>(b.enter),
+            all<2>(b.enter),
+            all<0>(b.leave),
+            all<1>(b.leave),
+            all<2>(b.leave),
+            nearRow(tree, b.mirror, 0),
+            nearRow(tree, b.mirror, 1),
+            nearRow(tree, b.mirror, 2)};
 }
 
-/// The children whose boxes the ray meets in [0, limit].
-[[gnu::always_inline]] inline unsigned meets(const Node& node, const BoxLanes& ray, F32 limit,
+/// The children of a node whose boxes the ray meets in [0, limit].
+[[gnu::always_inline]] inline unsigned meets(std::uint32_t node, const BoxLanes& ray, F32 limit,
                                              F32& enter) {
-    const F32 nx = productMinus(row(node, ray.nearX), ray.inverseX, ray.enterX);
-    const F32 ny = productMinus(row(node, ray.nearY), ray.inverseY, ray.enterY);
-    const F32 nz = productMinus(row(node, ray.nearZ), ray.inverseZ, ray.enterZ);
-    const F32 fx = productMinus(row(node, ray.nearX ^ kRow), ray.inverseX, ray.leaveX);
-    const F32 fy = productMinus(row(node, ray.nearY ^ kRow), ray.inverseY, ray.leaveY);
-    const F32 fz = productMinus(row(node, ray.nearZ ^ kRow), ray.inverseZ, ray.leaveZ);
+    const auto row = [&](std::uintptr_t ofFirst) {
+        return load(reinterpret_cast<const float*>(ofFirst + std::uintptr_t{node} * sizeof(Node)));
+    };
+    const F32 nx = productMinus(row(ray.nearX), ray.inverseX, ray.enterX);
+    const F32 ny = productMinus(row(ray.nearY), ray.inverseY, ray.enterY);
+    const F32 nz = productMinus(row(ray.nearZ), ray.inverseZ, ray.enterZ);
+    const F32 fx = productMinus(row(ray.nearX ^ kRow), ray.inverseX, ray.leaveX);
+    const F32 fy = productMinus(row(ray.nearY ^ kRow), ray.inverseY, ray.leaveY);
+    const F32 fz = productMinus(row(ray.nearZ ^ kRow), ray.inverseZ, ray.leaveZ);
     // `enter` is not negative. Where the other is, its bits still are the smaller integer.
     enter = largerBits(largerBits(nx, ny), largerBits(nz, all(0.0f)));
     return lessEqualBits(enter, smallerBits(smallerBits(fx, fy), smallerBits(fz, limit)));
@@ -238,9 +245,7 @@ struct Frame {
     double squared, inverseSquared;
 };
 
-/// `inverses`, `factor`: setUpBoxRay's.
-[[gnu::always_inline]] inline Frame frameOf(const TreeView& tree, const Ray& ray,
-                                            const double inverses[4], double factor) {
+[[gnu::always_inline]] inline Frame frameOf(const TreeView& tree, const Ray& ray) {
     Frame f;
     const double *const o = &ray.origin.x, *const d = &ray.direction.x;
     const Quad direction = loadQuad(d);
@@ -255,8 +260,7 @@ struct Frame {
     f.ox = o[f.kx];
     f.oy = o[f.ky];
     f.oz = o[f.kz];
-    // 1 / d, since scaling by a power of two rounds nothing (unless 1 / d is subnormal or infinite).
-    f.shearZ = inverses[f.kz] * factor;
+    f.shearZ = 1 / d[f.kz];
     f.shearX = d[f.kx] * f.shearZ;
     f.shearY = d[f.ky] * f.shearZ;
     if (tree.hasSpheres) {
@@ -680,7 +684,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const B
             const Node& node = tree.nodes[current];
             if (kCount) ++visits->nodes;
             F32 enter;
-            const unsigned mask = meets(node, lanes, all(limit), enter);
+            const unsigned mask = meets(current, lanes, all(limit), enter);
             if (mask) {
                 current = pushFar(order, node, enter, mask, references, enters, top);
                 fetchSome(tree, references[top - (top != 0)]); // comes after `current`
@@ -706,17 +710,15 @@ inline void answer(const Best& best, Hit* hit) {
 
 template <bool kCount>
 inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
-    alignas(32) double inverses[4], factor;
-    BoxRay box;
-    setUpBoxRay(tree, ray, box, inverses, factor);
-    const Frame f = frameOf(tree, ray, inverses, factor);
+    const BoxRay box = boxRayOf(tree, ray);
+    const Frame f = frameOf(tree, ray);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, nullptr};
     if (tree.hasUnbounded)
         closestInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, best, visits);
     if (!tree.nodes || box.misses) return answer(best, hit);
-    closestFrom<kCount>(tree, 0, ray, lanesOf(box), orderOf(box.mirror), box.limits, f, exclude,
-                        best, visits);
+    closestFrom<kCount>(tree, 0, ray, lanesOf(tree, box), orderOf(box.mirror), box.limits, f,
+                        exclude, best, visits);
     answer(best, hit);
 }
 
@@ -823,7 +825,7 @@ anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLa
             const Node& node = tree.nodes[current];
             if (kCount) ++visits->nodes;
             F32 enter;
-            const unsigned mask = meets(node, lanes, limit, enter);
+            const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
                 current = pushAny(node, mask, references, top);
                 continue;
@@ -838,18 +840,16 @@ anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLa
 
 template <bool kCount>
 inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
-    alignas(32) double inverses[4], factor;
-    BoxRay box;
-    setUpBoxRay(tree, ray, box, inverses, factor);
-    const Frame f = frameOf(tree, ray, inverses, factor);
+    const BoxRay box = boxRayOf(tree, ray);
+    const Frame f = frameOf(tree, ray);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
     if (tree.hasUnbounded &&
         anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
         return true;
     if (!tree.nodes || box.misses) return false;
-    return anyFrom<kCount>(tree, 0, ray, lanesOf(box), limitOf(box.limits, ray.tMax), f, exclude,
-                           last, visits);
+    return anyFrom<kCount>(tree, 0, ray, lanesOf(tree, box), limitOf(box.limits, ray.tMax), f,
+                           exclude, last, visits);
 }
 
 inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,
@@ -931,15 +931,13 @@ inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Fram
 template <bool kCount>
 inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSink& sink,
                           Visits* visits) {
-    alignas(32) double inverses[4], factor;
-    BoxRay box;
-    setUpBoxRay(tree, ray, box, inverses, factor);
-    const Frame f = frameOf(tree, ray, inverses, factor);
+    const BoxRay box = boxRayOf(tree, ray);
+    const Frame f = frameOf(tree, ray);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const double last = below(ray.tMax);
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
     if (!tree.nodes || box.misses) return true;
-    const BoxLanes lanes = lanesOf(box);
+    const BoxLanes lanes = lanesOf(tree, box);
     const F32 limit = all(limitOf(box.limits, ray.tMax));
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
@@ -951,7 +949,7 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
             const Node& node = tree.nodes[current];
             if (kCount) ++visits->nodes;
             F32 enter;
-            const unsigned mask = meets(node, lanes, limit, enter);
+            const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
                 current = pushAny(node, mask, references, top);
                 continue;

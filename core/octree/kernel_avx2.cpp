@@ -9,6 +9,8 @@ namespace rt::octree::avx2 {
 namespace {
 #include "filter.inl"
 
+#include "four.inl"
+
 #include "lanes_avx2.inl"
 
 #include "shared_filtered.inl"

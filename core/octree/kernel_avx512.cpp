@@ -9,6 +9,8 @@ namespace rt::octree::avx512 {
 namespace {
 #include "filter.inl"
 
+#include "four.inl"
+
 #include "lanes_avx512.inl"
 
 #include "kernel.inl"

@@ -9,6 +9,8 @@ namespace rt::octree::baseline {
 namespace {
 #include "filter.inl"
 
+#include "four.inl"
+
 #include "lanes_baseline.inl"
 
 #include "shared_filtered.inl"

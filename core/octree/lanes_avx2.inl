@@ -34,6 +34,9 @@ RT_LANES_BINARY(operator-, _mm256_sub_pd)
 RT_LANES_BINARY(operator*, _mm256_mul_pd)
 RT_LANES_BINARY(operator/, _mm256_div_pd)
 RT_LANES_UNARY(squareRoot, _mm256_sqrt_pd)
+inline F64 productMinus(F64 x, F64 y, F64 z) {
+    return {_mm256_fmsub_pd(x.a, y.a, z.a), _mm256_fmsub_pd(x.b, y.b, z.b)};
+}
 RT_LANES_BINARY(smaller, _mm256_min_pd) // a < b ? a : b
 RT_LANES_BINARY(larger, _mm256_max_pd)  // a > b ? a : b
 RT_LANES_COMPARE(operator<, _CMP_LT_OQ)
@@ -192,6 +195,7 @@ inline Wide magnitude(Wide x) {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return {_mm256_andnot_ps(sign, x.a), _mm256_andnot_ps(sign, x.b)};
 }
+inline Wide largerMagnitude(Wide x, Wide y) { return larger(magnitude(x), magnitude(y)); }
 inline Wide smallerBits(Wide x, Wide y) {
     const F32 a = smallerBits(F32{x.a}, F32{y.a}), b = smallerBits(F32{x.b}, F32{y.b});
     return {a.v, b.v};
@@ -253,9 +257,11 @@ inline unsigned orderOfSizes(Quad a) {
            7;
 }
 inline double productPlus(double a, double b, double c) { return __builtin_fma(a, b, c); }
-/// 0 for NaN.
-inline float notNegative(float x) { return x > 0 ? x : 0; }
-inline void storeNarrow(float* p, Quad a) { _mm_store_ps(p, _mm256_cvtpd_ps(a.v)); }
+inline Four narrow(Quad a) { return {_mm256_cvtpd_ps(a.v)}; }
+/// Number i of four.
+template <int i> inline F32 all(Four a) {
+    return {_mm256_broadcastss_ps(_mm_permute_ps(a.v, 0x55 * i))};
+}
 
 /// Visiting order of a ray: far slots first.
 struct Order {

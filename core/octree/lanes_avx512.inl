@@ -14,6 +14,7 @@ inline F64 operator+(F64 a, F64 b) { return {_mm512_add_pd(a.v, b.v)}; }
 inline F64 operator-(F64 a, F64 b) { return {_mm512_sub_pd(a.v, b.v)}; }
 inline F64 operator*(F64 a, F64 b) { return {_mm512_mul_pd(a.v, b.v)}; }
 inline F64 operator/(F64 a, F64 b) { return {_mm512_div_pd(a.v, b.v)}; }
+inline F64 productMinus(F64 a, F64 b, F64 c) { return {_mm512_fmsub_pd(a.v, b.v, c.v)}; }
 inline F64 squareRoot(F64 a) { return {_mm512_sqrt_pd(a.v)}; }
 inline F64 smaller(F64 a, F64 b) { return {_mm512_min_pd(a.v, b.v)}; } // a < b ? a : b
 inline F64 larger(F64 a, F64 b) { return {_mm512_max_pd(a.v, b.v)}; }  // a > b ? a : b
@@ -123,6 +124,10 @@ inline Wide minusProduct(Wide a, Wide b, Wide c) { return {_mm512_fnmadd_ps(b.v,
 inline Wide smaller(Wide a, Wide b) { return {_mm512_min_ps(a.v, b.v)}; }
 inline Wide larger(Wide a, Wide b) { return {_mm512_max_ps(a.v, b.v)}; }
 inline Wide magnitude(Wide a) { return {_mm512_abs_ps(a.v)}; }
+inline Wide largerMagnitude(Wide a, Wide b) {
+    constexpr int kLargest = 0b0011, kPositive = 0b1000; // of the immediate
+    return {_mm512_range_ps(a.v, b.v, kLargest | kPositive)};
+}
 inline unsigned bitsLess(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
 inline unsigned bitsLessEqual(Wide a, Wide b) { return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ); }
 inline Wide smallerBits(Wide a, Wide b) {
@@ -170,9 +175,11 @@ inline unsigned orderOfSizes(Quad a) {
            7;
 }
 inline double productPlus(double a, double b, double c) { return __builtin_fma(a, b, c); }
-/// 0 for NaN.
-inline float notNegative(float x) { return x > 0 ? x : 0; }
-inline void storeNarrow(float* p, Quad a) { _mm_store_ps(p, _mm256_cvtpd_ps(a.v)); }
+inline Four narrow(Quad a) { return {_mm256_cvtpd_ps(a.v)}; }
+/// Number i of four.
+template <int i> inline F32 all(Four a) {
+    return {_mm256_broadcastss_ps(_mm_permute_ps(a.v, 0x55 * i))};
+}
 
 /// Visiting order of a ray: far slots first.
 struct Order {

@@ -46,6 +46,7 @@ inline __m128d notEqualOrdered(__m128d x, __m128d y) {
     return _mm_and_pd(_mm_cmpneq_pd(x, y), _mm_cmpord_pd(x, y));
 }
 RT_LANES_BINARY(Mask, operator!=, notEqualOrdered)
+inline F64 productMinus(F64 x, F64 y, F64 z) { return x * y - z; }
 inline F64 squareRoot(F64 x) {
     return {_mm_sqrt_pd(x.a), _mm_sqrt_pd(x.b), _mm_sqrt_pd(x.c), _mm_sqrt_pd(x.d)};
 }
@@ -202,6 +203,7 @@ inline Wide magnitude(Wide x) {
     return {_mm_andnot_ps(sign, x.a), _mm_andnot_ps(sign, x.b), _mm_andnot_ps(sign, x.c),
             _mm_andnot_ps(sign, x.d)};
 }
+inline Wide largerMagnitude(Wide x, Wide y) { return larger(magnitude(x), magnitude(y)); }
 inline Wide smallerBits(Wide x, Wide y) { return smaller(x, y); }
 inline Wide largerBits(Wide x, Wide y) { return larger(x, y); }
 inline unsigned lessEqualBits(Wide x, Wide y) { return bitsLessEqual(x, y); }
@@ -272,10 +274,11 @@ inline unsigned orderOfSizes(Quad q) {
                                  _mm_comigt_sd(_mm_unpackhi_pd(q.a, q.a), q.b) << 2);
 }
 inline double productPlus(double x, double y, double z) { return x * y + z; }
-/// 0 for NaN.
-inline float notNegative(float x) { return x > 0 ? x : 0; }
-inline void storeNarrow(float* p, Quad x) {
-    _mm_store_ps(p, _mm_movelh_ps(_mm_cvtpd_ps(x.a), _mm_cvtpd_ps(x.b)));
+inline Four narrow(Quad x) { return {_mm_movelh_ps(_mm_cvtpd_ps(x.a), _mm_cvtpd_ps(x.b))}; }
+/// Number i of four.
+template <int i> inline F32 all(Four x) {
+    const __m128 v = _mm_shuffle_ps(x.v, x.v, 0x55 * i);
+    return {v, v};
 }
 
 struct Order {

@@ -17,10 +17,7 @@ bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, V
 }
 
 void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* hit) {
-    alignas(32) double inverses[4], factor;
-    BoxRay box;
-    setUpBoxRay(tree, ray, box, inverses, factor);
-    const Frame f = frameOf(tree, ray, inverses, factor);
+    const Frame f = frameOf(tree, ray);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{ray.tMax, 0, 0, nullptr};
     for (std::uint32_t i = 0; i < counts.shared; ++i)
