@@ -26,11 +26,11 @@ public:
     std::size_t size() const { return size_; }
     std::size_t bytes() const { return size_ * sizeof(T); }
 
-    /// Keeps what fits. Grows by half, but to no more than asked for at first.
-    void resize(std::size_t size) {
+    /// Keeps what fits. Grows by half, but to no more than asked for at first, with room for `more`.
+    void resize(std::size_t size, std::size_t more = 0) {
         if (size > capacity_) {
             const std::size_t capacity =
-                capacity_ ? std::max(size, capacity_ + capacity_ / 2) : size;
+                capacity_ ? std::max(size, capacity_ + capacity_ / 2) : size + more;
             const std::size_t wanted = capacity * sizeof(T);
             const std::size_t alignment = wanted < kHugePage ? kAlignment : kHugePage;
             const std::size_t bytes = (wanted + alignment - 1) / alignment * alignment;
@@ -124,9 +124,11 @@ struct Tree {
         return e;
     }
     void resize(const Extent& e) {
-        nodes.resize(e.of[kNodes]);
-        shared.resize(e.of[kShared]);
-        triangles.resize(e.of[kTriangles]);
+        // What moves ends up in new nodes and f64 blocks; pages that nothing uses cost nothing.
+        const auto half = [&](std::uint32_t count) { return leafOf.size() > 0 ? count / 2 : 0; };
+        nodes.resize(e.of[kNodes], half(e.of[kNodes]));
+        shared.resize(e.of[kShared], half(e.of[kShared] + e.of[kNarrowShared]));
+        triangles.resize(e.of[kTriangles], half(e.of[kTriangles] + e.of[kNarrowTriangles]));
         narrowShared.resize(e.of[kNarrowShared]);
         narrowTriangles.resize(e.of[kNarrowTriangles]);
         narrowIds.resize(e.of[kNarrowIds]);

@@ -2,6 +2,7 @@
 
 #include <core/octree/box.hpp>
 #include <core/octree/emit.hpp>
+#include <core/octree/leaf_edit.hpp>
 #include <core/octree/leaves.hpp>
 #include <core/octree/references.hpp>
 
@@ -17,18 +18,22 @@ using geometry::Primitives;
 
 // Chosen by octree_bench --moves; see tests/octree/update_test.cpp for what they keep.
 constexpr float kGrowth = 1.2f; // of a box's area, by what stays in it although it moved
-constexpr float kTurned =
-    2; // of the box of a leaf that moves as a whole, when nothing more is asked
+constexpr float kTurned = 2; // of the box of a leaf that moves as a whole, if nothing more is asked
 constexpr float kScatter = 2; // area of a box, over those of the primitives in it
-constexpr float kDrift = 0.1f, kDriftOfFew = 0.3f; // of a subtree's cost, before it is built anew
-constexpr std::uint32_t kFew = 4096; // primitives of a subtree whose drift the whole hardly feels
-constexpr std::uint32_t kNodesPart = 4;     // whole: when nodes have become 1 + 1/4 times as many
-constexpr std::uint64_t kManySingles = 4;   // whole: primitives entered again, times all there are
-constexpr std::uint32_t kWorthBuilding = 8; // whole: when more than 1/8 of all leave in one update
+constexpr float kMerged = 2;  // what a leaf may grow by, over the area of the one that it takes in
+// Subtrees built anew by themselves: when so much of their cost is drift, and so much of the tree's.
+constexpr float kDrift = 0.1f, kFelt = 0.03f;
+// Upkeep: subtrees of 1/32 of all primitives, 256 to 4096; one built anew for each that moved alone where the
+// tree costs 0.1 more than a new one, in proportion elsewhere.
+constexpr std::uint32_t kFewShare = 32, kLeastFew = 256, kMostFew = 4096;
+constexpr float kAllowed = 0.1f, kLeastUpkeep = 0.25f, kMostUpkeep = 2;
+constexpr float kMemory = 0.9f; // from one update to the next, of what upkeep gained
+// The whole: nodes, when there are 1 + 1/4 times as many as when it was built, and 1.4 times as many as new
+// subtrees have; primitives that moved alone since, times all there are; 1/8 of all leave at once.
+constexpr std::uint32_t kNodesPart = 4, kWorthBuilding = 8;
+constexpr float kMostNodes = 1.4f;
+constexpr std::uint64_t kManySingles = 2;
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
-
-// Node::Links::marks: bits 0-7, leaves to be written anew.
-constexpr std::uint32_t kChanged = 256; // something below is
 
 /// Takes places that are free, and new ones where there are none.
 class FreePlaces final : public Places {
@@ -53,11 +58,29 @@ private:
     UpdateState& state_;
 };
 
+/// What a part of the tree adds to the numbers of a node above it.
+struct Share {
+    float cost = 0;
+    std::uint32_t count = 0;
+
+    Share& operator+=(const Share& s) {
+        cost += s.cost;
+        count += s.count;
+        return *this;
+    }
+    Share& operator-=(const Share& s) {
+        cost -= s.cost;
+        count -= s.count;
+        return *this;
+    }
+};
+
 /// A primitive or a subtree that has left its place.
 struct Item {
     Box box;
     std::uint32_t child; // its reference; kEmptyChild for a primitive
     Reference primitive;
+    LooseTriangle triangle; // if it is one
 };
 
 class Updater {
@@ -70,43 +93,85 @@ public:
 
     bool run(std::span<const PrimitiveId> moved) {
         if (tree_.nodes.size() == 0) return moved.empty();
-        for (const PrimitiveId id : moved)
-            if (!mark(static_cast<std::uint32_t>(id))) return false;
-        if (!(tree_.nodes[0].links.marks)) return true;
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            prefetchAhead(moved, i);
+            if (!mark(static_cast<std::uint32_t>(moved[i]))) return false;
+        }
+        if (!tree_.nodes[0].links.marks) return true;
         if (!edit(0).stands) return false;
         const std::uint32_t count = primitives_.count();
-        for (const Item& item : items_) singles_ += item.child == kEmptyChild;
-        if (singles_ > count / kWorthBuilding) return false;
+        if (items_.size() > count / kWorthBuilding) return false;
         state_.singles += singles_;
+        root_ = boxOf(tree_.nodes[0]);
         for (const Item& item : items_) enter(item);
-        refresh(0);
-        float fresh = 0;
-        if (!inspect(0, fresh)) return false;
-        const auto live =
-            static_cast<std::uint32_t>(tree_.nodes.size() - state_.free[kNodes].size());
-        return tree_.nodes[0].links.height <= kMaxDepth &&
-               live <= state_.nodesThen + state_.nodesThen / kNodesPart + kLanes &&
+        if (!followDrift(moved.size())) return false;
+        return tree_.nodes[0].links.height <= kMaxDepth && !hasTooManyNodes() &&
                state_.singles <= kManySingles * count && state_.garbage <= tree_.bytes() / 2;
     }
 
 private:
     bool moved(std::uint32_t id) const { return isMoved_[id / 64] >> id % 64 & 1; }
 
+    /// Node::Links::marks: bit per slot below which something has moved.
     bool mark(std::uint32_t id) {
-        const std::uint32_t leaf = tree_.leafOf[id];
-        if (leaf == Tree::kNoLeaf) return false;
+        std::uint32_t at = tree_.leafOf[id];
+        if (at == Tree::kNoLeaf) return false;
         isMoved_[id / 64] |= std::uint64_t{1} << id % 64;
-        std::uint32_t node = leaf / kLanes;
-        tree_.nodes[node].links.marks |= 1u << leaf % kLanes;
-        markPath(node);
-        return true;
+        for (;;) {
+            Node::Links& links = tree_.nodes[at / kLanes].links;
+            const bool isKnown = links.marks != 0;
+            links.marks |= 1u << at % kLanes;
+            if (isKnown || links.parent == kEmptyChild) return true;
+            at = kLanes * links.parent + links.slot;
+        }
     }
 
-    void markPath(std::uint32_t node) {
-        while (node != kEmptyChild && !(tree_.nodes[node].links.marks & kChanged)) {
-            tree_.nodes[node].links.marks |= kChanged;
-            node = tree_.nodes[node].links.parent;
+    template <class T> static void lines(const T& item) { // into the cache
+        const char* const bytes = reinterpret_cast<const char*>(&item);
+        for (std::size_t i = 0; i < sizeof item; i += 64) _mm_prefetch(bytes + i, _MM_HINT_T0);
+    }
+
+    /// What mark() and edit() will look at: each step waits for memory only once the next ones have asked.
+    void prefetchAhead(std::span<const PrimitiveId> moved, std::size_t i) const {
+        constexpr std::size_t kStep = 12;
+        const auto placeOf = [&](std::size_t at) -> const std::uint32_t& {
+            return tree_.leafOf[static_cast<std::uint32_t>(moved[at])];
+        };
+        if (i + 3 * kStep < moved.size()) lines(placeOf(i + 3 * kStep));
+        for (const std::size_t at : {i + 2 * kStep, i + kStep}) {
+            if (at >= moved.size() || placeOf(at) == Tree::kNoLeaf) continue;
+            const Node& node = tree_.nodes[placeOf(at) / kLanes];
+            if (at > i + kStep)
+                lines(node);
+            else
+                prefetch(node.child[placeOf(at) % kLanes]);
         }
+    }
+
+    void prefetch(std::uint32_t reference) const {
+        const std::uint32_t index = reference & kLeafIndex;
+        if (!(reference & kLeaf)) return lines(tree_.nodes[reference]);
+        switch (reference >> kLeafKindShift & 7) {
+        case kSharedLeaf:
+            return lines(tree_.shared[index]);
+        case kTriangleLeaf:
+            return lines(tree_.triangles[index]);
+        case kNarrowSharedLeaf:
+            return lines(tree_.narrowShared[index]);
+        case kNarrowTriangleLeaf:
+            return lines(tree_.narrowTriangles[index]);
+        default:
+            return;
+        }
+    }
+
+    /// What edit() will look at below the first child in `marks`.
+    void prefetchBelow(std::uint32_t index, std::uint32_t marks) const {
+        if (!marks) return;
+        const std::uint32_t child = tree_.nodes[index].child[__builtin_ctz(marks)];
+        if (child & kLeaf) return;
+        const Node& next = tree_.nodes[child];
+        for (unsigned m = next.links.marks; m; m &= m - 1) prefetch(next.child[__builtin_ctz(m)]);
     }
 
     // ---- 1. what moved stays or leaves ---------------------------------------------------------------
@@ -121,36 +186,40 @@ private:
     Edited edit(std::uint32_t index) {
         const Box before = boxOf(tree_.nodes[index]);
         const std::uint32_t marks = tree_.nodes[index].links.marks;
+        tree_.nodes[index].links.marks = 0;
+        for (unsigned m = marks; m; m &= m - 1)
+            prefetch(tree_.nodes[index].child[__builtin_ctz(m)]);
         unsigned movedSlots = 0;
         Edited result;
+        Share change;
         for (int slot = 0; slot < kLanes; ++slot) {
             const std::uint32_t child = tree_.nodes[index].child[slot];
             if (child == kEmptyChild) continue;
-            Edited edited;
-            if (child & kLeaf) {
-                if (!(marks >> slot & 1)) {
-                    result.allMoved = false;
-                    continue;
-                }
-                edited = editLeaf(child, boxOf(tree_.nodes[index], slot));
-            } else {
-                if (!(tree_.nodes[child].links.marks & kChanged)) {
-                    result.allMoved = false;
-                    continue;
-                }
-                edited = edit(child);
+            if (!(marks >> slot & 1)) {
+                result.allMoved = false;
+                continue;
             }
+            prefetchBelow(index, marks & ~((2u << slot) - 1));
+            const Box boxBefore = boxOf(tree_.nodes[index], slot);
+            change -= shareOf(child, boxBefore);
+            const Edited edited = child & kLeaf ? editLeaf(child, boxBefore) : edit(child);
             if (!edited.stands) return edited;
-            if (edited.reference != child) attach(edited.reference, index, slot);
+            if (child & kLeaf)
+                tree_.nodes[index].child[slot] = edited.reference;
+            else if (edited.reference != child)
+                attach(edited.reference, index, slot);
             setBox(tree_.nodes[index], slot, edited.box);
+            change += shareOf(edited.reference, edited.box);
             if (edited.reference == kEmptyChild) continue;
             if (edited.allMoved)
                 movedSlots |= 1u << slot;
             else
                 result.allMoved = false;
         }
-        if (!result.allMoved && movedSlots) leaveFrom(index, movedSlots, before);
-        const Node& node = tree_.nodes[index];
+        if (!result.allMoved && movedSlots) leaveFrom(index, movedSlots, before, change);
+        mergeLeaves(index, marks, change);
+        absorb(index, change);
+        Node& node = tree_.nodes[index];
         int count = 0;
         for (const std::uint32_t child : node.child)
             if (child != kEmptyChild) {
@@ -158,6 +227,8 @@ private:
                 result.reference = child;
             }
         result.box = boxOf(node);
+        node.links.count += change.count;
+        node.links.cost += change.cost + kNodeCost * (result.box.area() - before.area());
         if (count > 1 || index == 0)
             result.reference = index;
         else
@@ -165,8 +236,84 @@ private:
         return result;
     }
 
+    /// A leaf that has lost some of its primitives takes those of another, where that costs less.
+    void mergeLeaves(std::uint32_t index, std::uint32_t marks, Share& change) {
+        for (; marks; marks &= marks - 1) {
+            const int slot = __builtin_ctz(marks);
+            const Node& node = tree_.nodes[index];
+            const std::uint32_t leaf = node.child[slot];
+            if (leaf == kEmptyChild || !(leaf & kLeaf) || !isTriangles(leaf)) continue;
+            const Box box = boxOf(node, slot);
+            alignas(16) float joined[kLanes], growth[kLanes];
+            measureJoined(node, box, joined, growth);
+            int best = -1;
+            for (int s = 0; s < kLanes; ++s) {
+                const std::uint32_t other = node.child[s];
+                if (s == slot || other == kEmptyChild || !(other & kLeaf) || !isTriangles(other))
+                    continue;
+                if (best < 0 || growth[s] < growth[best]) best = s;
+            }
+            if (best < 0 || !(growth[best] < kMerged * box.area())) continue;
+            const std::uint32_t other = node.child[best];
+            if (sizeOfLeaf(tree_, leaf) + sizeOfLeaf(tree_, other) > kLanes) continue;
+            merge(index, best, slot, change);
+        }
+    }
+
+    void merge(std::uint32_t index, int into, int from, Share& change) {
+        Box box = boxOf(tree_.nodes[index], into);
+        const Box lost = boxOf(tree_.nodes[index], from);
+        const std::uint32_t source = tree_.nodes[index].child[from];
+        std::uint32_t target = tree_.nodes[index].child[into];
+        change -= shareOf(source, lost);
+        change -= shareOf(target, box);
+        members_.clear();
+        idsOfLeaf(tree_, source, members_);
+        for (const std::uint32_t id : members_) {
+            target = joined(target, looseOf(id));
+            tree_.leafOf[id] = kLanes * index + static_cast<std::uint32_t>(into);
+        }
+        freeLeaf(source);
+        box.add(lost);
+        change += shareOf(target, box);
+        tree_.nodes[index].child[from] = kEmptyChild;
+        setBox(tree_.nodes[index], from, Box());
+        tree_.nodes[index].child[into] = target;
+        setBox(tree_.nodes[index], into, box);
+    }
+
+    /// Children of a child whose children all find room here: one node less to visit.
+    void absorb(std::uint32_t index, Share& change) {
+        const auto childrenOf = [&](std::uint32_t node) {
+            int count = 0;
+            for (const std::uint32_t child : tree_.nodes[node].child) count += child != kEmptyChild;
+            return count;
+        };
+        int room = kLanes - childrenOf(index);
+        for (int slot = 0; room > 0 && slot < kLanes; ++slot) {
+            const std::uint32_t child = tree_.nodes[index].child[slot];
+            if (child & kLeaf) continue;
+            const int more = childrenOf(child) - 1;
+            if (more > room) continue;
+            room -= more;
+            change.cost -= kNodeCost * boxOf(tree_.nodes[index], slot).area();
+            tree_.nodes[index].child[slot] = kEmptyChild;
+            setBox(tree_.nodes[index], slot, Box());
+            for (int from = 0; from < kLanes; ++from) {
+                const std::uint32_t grandchild = tree_.nodes[child].child[from];
+                if (grandchild == kEmptyChild) continue;
+                const Box box = boxOf(tree_.nodes[child], from);
+                const int to = freeSlotFor(tree_.nodes[index], box);
+                attach(grandchild, index, to);
+                setBox(tree_.nodes[index], to, box);
+            }
+            freeNode(child);
+            slot = -1;
+        }
+    }
+
     /// Children that moved as a whole leave a node that they would make much larger.
-    void leaveFrom(std::uint32_t index, unsigned movedSlots, const Box& before) {
+    void leaveFrom(std::uint32_t index, unsigned movedSlots, const Box& before, Share& change) {
         Node& node = tree_.nodes[index];
         Box rest;
         for (int slot = 0; slot < kLanes; ++slot)
@@ -182,8 +329,10 @@ private:
                 rest = with;
                 continue;
             }
-            items_.push_back({box, node.child[slot], {}});
-            report_.entered += countOf(node.child[slot]);
+            items_.push_back({box, node.child[slot], {}, {}});
+            const Share share = shareOf(node.child[slot], box);
+            change -= share;
+            report_.entered += share.count;
             node.child[slot] = kEmptyChild;
             setBox(node, slot, Box());
         }
@@ -218,9 +367,10 @@ private:
         box = Box();
         box.add(_mm_load_ps(lower), _mm_load_ps(upper));
         if (!(box.area() <= kTurned * before.area())) return false;
+        const int first = __builtin_ctz(known);
         for (int a = 0; a < 3; ++a)
             for (int i = 0; i < kSharedLanes; ++i)
-                block.corner[a][i] = corner[a][known >> i & 1 ? i : 0];
+                block.corner[a][i] = corner[a][known >> i & 1 ? i : first];
         return true;
     }
 
@@ -233,6 +383,15 @@ private:
         }
         members_.clear();
         idsOfLeaf(tree_, leaf, members_);
+        if (isTriangles(leaf)) {
+            unsigned unmoved = 0;
+            for (std::size_t i = 0; i < members_.size(); ++i)
+                unmoved |= static_cast<unsigned>(!moved(members_[i])) << i;
+            if (unmoved) {
+                singles_ += members_.size() - static_cast<std::size_t>(__builtin_popcount(unmoved));
+                return editTriangles(leaf, unmoved, before);
+            }
+        }
         references_.resize(members_.size());
         std::size_t staying = 0; // the first of references_
         Box rest;
@@ -257,6 +416,7 @@ private:
             }
             limit = std::max(limit, kScatter * own);
         }
+        const std::size_t movedCount = members_.size() - staying;
         for (std::size_t i = staying; i < members_.size(); ++i) {
             Reference& r = references_[i];
             Box single, with = rest;
@@ -266,13 +426,67 @@ private:
                 rest = with;
                 std::swap(r, references_[staying++]);
             } else {
-                items_.push_back({single, kEmptyChild, r});
+                const bool isTriangle =
+                    r.kind == static_cast<std::uint32_t>(geometry::Kind::triangle);
+                items_.push_back(
+                    {single, kEmptyChild, r, isTriangle ? looseOf(r.id) : LooseTriangle{}});
                 ++report_.entered;
             }
         }
+        if (!result.allMoved) singles_ += movedCount;
         freeLeaf(leaf);
         if (staying) result.reference = writeLeaf(references_.data(), staying);
         result.box = rest;
+        return result;
+    }
+
+    /// Of a leaf with triangles, members_, some of which have not moved: they stay as they are.
+    Edited editTriangles(std::uint32_t leaf, unsigned unmoved, const Box& before) {
+        Edited result;
+        result.allMoved = false;
+        result.reference = leaf;
+        if ((leaf >> kLeafKindShift & 7) == kNarrowSharedLeaf)
+            state_.garbage +=
+                4 * (members_.size() - static_cast<std::size_t>(__builtin_popcount(unmoved)));
+        alignas(16) float lower[4] = {}, upper[4] = {};
+        result.stands =
+            inOctreeSpace(keepTriangles(tree_, leaf, unmoved), center_, scale_, lower, upper);
+        result.box.add(_mm_load_ps(lower), _mm_load_ps(upper));
+        const float limit = kGrowth * before.area();
+        for (std::size_t i = 0; i < members_.size(); ++i) {
+            if (unmoved >> i & 1) continue;
+            Reference r;
+            if (!referenceOf(primitives_, members_[i], center_, scale_, r)) {
+                result.stands = false;
+                return result;
+            }
+            Box single, with = result.box;
+            single.add(_mm_load_ps(r.lower), _mm_load_ps(r.upper));
+            with.add(single);
+            const LooseTriangle triangle = looseOf(r.id);
+            if (with.area() <= limit && hasRoom(tree_, result.reference, triangle)) {
+                result.box = with;
+                result.reference = joined(result.reference, triangle);
+            } else {
+                items_.push_back({single, kEmptyChild, r, triangle});
+                ++report_.entered;
+            }
+        }
+        return result;
+    }
+
+    LooseTriangle looseOf(std::uint32_t id) const {
+        const auto& triangles = primitives_.triangles;
+        const auto& corners = triangles.indices[indexInKind(primitives_, id)];
+        return {id,
+                {triangles.positions[corners[0]], triangles.positions[corners[1]],
+                 triangles.positions[corners[2]]}};
+    }
+
+    /// The leaf with one more triangle, for which it has room.
+    std::uint32_t joined(std::uint32_t leaf, const LooseTriangle& triangle) {
+        const std::uint32_t result = addTriangle(tree_, places_, leaf, triangle);
+        if (result != leaf) freeLeaf(leaf);
         return result;
     }
 
@@ -366,53 +580,82 @@ private:
         const Place place = placeFor(item);
         const std::uint32_t node = place.node;
         const int slot = place.at;
-        markPath(node);
-        Box box = boxOf(tree_.nodes[node], slot);
+        const Box beside = boxOf(tree_.nodes[node], slot);
+        Box box = beside;
         box.add(item.box);
+        const std::uint32_t sibling = tree_.nodes[node].child[slot];
+        Share change;
+        change -= shareOf(sibling, beside);
+        std::uint32_t entered;
         if (place.kind == Place::slot) {
-            attach(asChild(item), node, slot);
+            entered = asChild(item);
         } else if (place.kind == Place::join) {
-            const std::uint32_t leaf = tree_.nodes[node].child[slot];
-            members_.clear();
-            idsOfLeaf(tree_, leaf, members_);
-            references_.resize(members_.size() + 1);
-            for (std::size_t i = 0; i < members_.size(); ++i) {
-                references_[i].id = members_[i];
-                references_[i].kind = static_cast<std::uint32_t>(
-                    primitives_.segmentOf(PrimitiveId{members_[i]}).kind);
-            }
-            references_.back() = item.primitive;
-            freeLeaf(leaf);
-            attach(writeLeaf(references_.data(), references_.size()), node, slot);
+            entered = join(sibling, item);
+            tree_.nodes[node].child[slot] = entered;
+            tree_.leafOf[item.primitive.id] = kLanes * node + static_cast<std::uint32_t>(slot);
         } else {
-            const std::uint32_t added = places_.take(kNodes), child = asChild(item);
-            const std::uint32_t sibling = tree_.nodes[node].child[slot];
-            Node& pair = tree_.nodes[added];
+            const std::uint32_t child = asChild(item);
+            entered = places_.take(kNodes);
+            Node& pair = tree_.nodes[entered];
             for (int i = 0; i < kLanes; ++i) {
                 pair.child[i] = kEmptyChild;
                 setBox(pair, i, Box());
             }
-            pair.links = {node, static_cast<std::uint32_t>(slot), 0, 0, 0, 0, 1, 0};
-            const Box beside = boxOf(tree_.nodes[node], slot);
             const int first = slotFor(beside, item.box);
-            attach(sibling, added, first);
+            attach(sibling, entered, first);
             setBox(pair, first, beside);
-            attach(child, added, first ^ 7);
+            attach(child, entered, first ^ 7);
             setBox(pair, first ^ 7, item.box);
-            attach(added, node, slot);
-            markPath(added);
-            tree_.nodes[added].links.costThen = kInfinityF32; // taken from the cost by refresh()
+            Share share{kNodeCost * box.area(), 0};
+            share += shareOf(sibling, beside);
+            share += shareOf(child, item.box);
+            const auto height = std::max(heightOf(sibling), heightOf(child)) + 1;
+            const float drift = sibling & kLeaf ? 0 : excessOf(sibling);
+            pair.links = {node,   0, share.count, share.cost, share.count, share.cost - drift,
+                          height, 0};
         }
+        if (place.kind != Place::join) attach(entered, node, slot);
         setBox(tree_.nodes[node], slot, box);
-        for (std::uint32_t below = node; below != 0;) {
-            const auto& links = tree_.nodes[below].links;
+        change += shareOf(entered, box);
+        for (std::uint32_t index = node;;) {
+            Node::Links& links = tree_.nodes[index].links;
+            links.count += change.count;
+            if (index == 0) {
+                Box all = root_;
+                all.add(item.box);
+                links.cost += change.cost + kNodeCost * (all.area() - root_.area());
+                root_ = all;
+                links.height = std::max(links.height, heightOf(entered) + 1);
+                return;
+            }
             Node& above = tree_.nodes[links.parent];
             const auto at = static_cast<int>(links.slot);
-            Box grown = boxOf(above, at);
+            const Box old = boxOf(above, at);
+            Box grown = old;
             grown.add(item.box);
+            change.cost += kNodeCost * (grown.area() - old.area());
+            links.cost += change.cost;
+            links.height = std::max(links.height, heightOf(entered) + 1);
             setBox(above, at, grown);
-            below = links.parent;
+            entered = index;
+            index = links.parent;
         }
+    }
+
+    /// The leaf with one more primitive, for which it has room.
+    std::uint32_t join(std::uint32_t leaf, const Item& item) {
+        if (isTriangles(leaf)) return joined(leaf, item.triangle);
+        const Reference& primitive = item.primitive;
+        members_.clear();
+        idsOfLeaf(tree_, leaf, members_);
+        references_.resize(members_.size() + 1);
+        for (std::size_t i = 0; i < members_.size(); ++i) {
+            references_[i].id = members_[i];
+            references_[i].kind = primitive.kind;
+        }
+        references_.back() = primitive;
+        freeLeaf(leaf);
+        return writeLeaf(references_.data(), references_.size());
     }
 
     /// The octant of `a` in a cell that it shares with `b`; b's is the opposite one.
@@ -422,32 +665,53 @@ private:
                7;
     }
 
+    /// The free slot that is nearest to the octant of a box; there must be one.
+    static int freeSlotFor(const Node& node, const Box& box) {
+        const int octant = slotFor(box, boxOf(node));
+        for (const int flips : {0, 1, 2, 4, 3, 5, 6, 7})
+            if (node.child[octant ^ flips] == kEmptyChild) return octant ^ flips;
+        return -1;
+    }
+
     std::uint32_t asChild(const Item& item) {
         return item.child == kEmptyChild ? writeLeaf(&item.primitive, 1) : item.child;
+    }
+
+    static void measureJoined(const Node& node, const Box& box, float (&joined)[kLanes],
+                              float (&growth)[kLanes]) {
+        const auto half = [](const __m128(&d)[3]) {
+            return _mm_add_ps(_mm_mul_ps(d[0], _mm_add_ps(d[1], d[2])), _mm_mul_ps(d[1], d[2]));
+        };
+        const __m128 lower[3] = {_mm_shuffle_ps(box.lower, box.lower, 0x00),
+                                 _mm_shuffle_ps(box.lower, box.lower, 0x55),
+                                 _mm_shuffle_ps(box.lower, box.lower, 0xAA)};
+        const __m128 upper[3] = {_mm_shuffle_ps(box.upper, box.upper, 0x00),
+                                 _mm_shuffle_ps(box.upper, box.upper, 0x55),
+                                 _mm_shuffle_ps(box.upper, box.upper, 0xAA)};
+        for (int s = 0; s < kLanes; s += 4) {
+            __m128 own[3], both[3];
+            for (int a = 0; a < 3; ++a) {
+                const __m128 low = _mm_load_ps(node.planes[2 * a] + s),
+                             high = _mm_load_ps(node.planes[2 * a + 1] + s);
+                own[a] = _mm_sub_ps(high, low);
+                both[a] = _mm_sub_ps(_mm_max_ps(high, upper[a]), _mm_min_ps(low, lower[a]));
+            }
+            const __m128 area = half(both);
+            _mm_store_ps(joined + s, area);
+            _mm_store_ps(growth + s, _mm_sub_ps(area, half(own)));
+        }
     }
 
     Place placeFor(const Item& item) {
         const bool single = item.child == kEmptyChild;
         // A subtree costs the same wherever it hangs.
         const float own = single ? kBlockCost * item.box.area() : 0;
-        alignas(16) float lower[4], upper[4];
-        _mm_store_ps(lower, item.box.lower);
-        _mm_store_ps(upper, item.box.upper);
         Place best;
         float inherited = 0; // what the nodes on the way grow by
         for (std::uint32_t index = 0;;) {
             const Node& node = tree_.nodes[index];
-            float area[kLanes], joined[kLanes];
-            for (int s = 0; s < kLanes; ++s) {
-                float d[3], e[3];
-                for (int a = 0; a < 3; ++a) {
-                    const float low = node.planes[2 * a][s], high = node.planes[2 * a + 1][s];
-                    d[a] = high - low;
-                    e[a] = (high > upper[a] ? high : upper[a]) - (low < lower[a] ? low : lower[a]);
-                }
-                area[s] = d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
-                joined[s] = e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
-            }
+            alignas(16) float joined[kLanes], growth[kLanes]; // areas, with the item
+            measureJoined(node, item.box, joined, growth);
             int down = -1, leaf = -1;
             for (int s = 0; s < kLanes; ++s) {
                 const std::uint32_t child = node.child[s];
@@ -457,92 +721,49 @@ private:
                 }
                 best.offer(Place::pair, index, s, inherited + own + kNodeCost * joined[s]);
                 int& least = child & kLeaf ? leaf : down;
-                if (least < 0 || joined[s] - area[s] < joined[least] - area[least]) least = s;
+                if (least < 0 || growth[s] < growth[least]) least = s;
             }
             if (single && leaf >= 0) {
-                const float cost = inherited + kBlockCost * (joined[leaf] - area[leaf]);
-                if (cost <= best.cost && fits(node.child[leaf], item.primitive))
+                const float cost = inherited + kBlockCost * growth[leaf];
+                if (cost <= best.cost && fits(node.child[leaf], item))
                     best.offer(Place::join, index, leaf, cost);
             }
             if (down < 0) return best;
-            inherited += kNodeCost * (joined[down] - area[down]);
+            inherited += kNodeCost * growth[down];
             if (inherited > best.cost) return best;
             index = node.child[down];
         }
     }
 
     /// Does the leaf stay one block with this primitive in it?
-    bool fits(std::uint32_t leaf, const Reference& primitive) {
-        members_.clear();
-        idsOfLeaf(tree_, leaf, members_);
-        if (members_.size() >= options_.maxObjects) return false;
-        const auto kind = leaf >> kLeafKindShift & 7;
-        switch (static_cast<geometry::Kind>(primitive.kind)) {
-        case geometry::Kind::triangle: {
-            if (kind == kTriangleLeaf || kind == kNarrowTriangleLeaf)
-                return members_.size() < kLanes;
-            if ((kind != kSharedLeaf && kind != kNarrowSharedLeaf) ||
-                members_.size() >= kSharedLanes)
-                return false;
-            members_.push_back(primitive.id);
-            CornerSet corners;
-            for (const std::uint32_t id : members_)
-                for (const std::uint32_t c :
-                     primitives_.triangles.indices[indexInKind(primitives_, id)])
-                    if (corners.add(c) < 0) return members_.size() <= kLanes;
-            return true;
-        }
+    bool fits(std::uint32_t leaf, const Item& item) const {
+        const std::uint32_t size = sizeOfLeaf(tree_, leaf);
+        if (size >= options_.maxObjects) return false;
+        switch (static_cast<geometry::Kind>(item.primitive.kind)) {
+        case geometry::Kind::triangle:
+            return isTriangles(leaf) && hasRoom(tree_, leaf, item.triangle);
         case geometry::Kind::sphere:
-            return kind == kSphereLeaf && members_.size() < kLanes;
+            return (leaf >> kLeafKindShift & 7) == kSphereLeaf && size < kLanes;
         case geometry::Kind::parallelogram:
-            return kind == kParallelogramLeaf && members_.size() < kLanes;
+            return (leaf >> kLeafKindShift & 7) == kParallelogramLeaf && size < kLanes;
         case geometry::Kind::custom:
             return false;
         }
         return false;
     }
 
-    // ---- counts, boxes and costs of what changed ------------------------------------------------------
+    // ---- counts and costs --------------------------------------------------------------------------------
 
-    std::uint32_t countOf(std::uint32_t reference) {
-        return reference & kLeaf ? sizeOfLeaf(tree_, reference)
-                                 : tree_.nodes[reference].links.count;
+    Share shareOf(std::uint32_t reference, const Box& box) const {
+        if (reference == kEmptyChild) return {};
+        if (reference & kLeaf)
+            return {costOfLeaf(tree_, reference) * box.area(), sizeOfLeaf(tree_, reference)};
+        const Node::Links& links = tree_.nodes[reference].links;
+        return {links.cost, links.count};
     }
 
-    void refresh(std::uint32_t index) {
-        for (int slot = 0; slot < kLanes; ++slot) {
-            const std::uint32_t child = tree_.nodes[index].child[slot];
-            if (!(child & kLeaf) && (tree_.nodes[child].links.marks & kChanged)) {
-                refresh(child);
-                setBox(tree_.nodes[index], slot, boxOf(tree_.nodes[child]));
-            }
-        }
-        sum(index);
-        Node::Links& links = tree_.nodes[index].links;
-        links.marks = 0;
-        if (links.costThen == kInfinityF32) {
-            links.costThen = links.cost;
-            links.countThen = links.count;
-        }
-    }
-
-    void sum(std::uint32_t index) {
-        Node& node = tree_.nodes[index];
-        Node::Links& links = node.links;
-        links.count = links.height = 0;
-        links.cost = kNodeCost * boxOf(node).area();
-        for (int slot = 0; slot < kLanes; ++slot) {
-            const std::uint32_t child = node.child[slot];
-            if (child == kEmptyChild) continue;
-            links.count += countOf(child);
-            if (child & kLeaf) {
-                links.cost += costOfLeaf(tree_, child) * boxOf(node, slot).area();
-            } else {
-                links.cost += tree_.nodes[child].links.cost;
-                links.height = std::max(links.height, tree_.nodes[child].links.height);
-            }
-        }
-        ++links.height;
+    std::uint32_t heightOf(std::uint32_t reference) const {
+        return reference & kLeaf ? 0 : tree_.nodes[reference].links.height;
     }
 
     // ---- 3. what has drifted is built anew ------------------------------------------------------------
@@ -558,27 +779,65 @@ private:
         return tree_.nodes[index].links.cost - freshCost(index);
     }
 
-    /// Adds to `fresher` what the cost of the subtree if it were new has changed by. False: it is the whole
-    /// tree that has drifted.
-    bool inspect(std::uint32_t index, float& fresher) {
-        const float fresh = freshCost(index), excess = excessOf(index);
-        const bool few = tree_.nodes[index].links.count <= kFew;
-        if (!(excess > (few ? kDriftOfFew : kDrift) * fresh)) return true;
+    /// Subtrees to build anew: what has drifted by itself as a whole, and candidates, a few primitives each.
+    struct Drifted {
+        std::vector<std::uint32_t> whole, few;
+    };
+
+    void findDrifted(std::uint32_t index, Drifted& found) const {
+        const Node::Links& links = tree_.nodes[index].links;
+        const float excess = excessOf(index);
+        const std::uint32_t few = std::clamp(primitives_.count() / kFewShare, kLeastFew, kMostFew);
+        if (links.count <= few && index != 0) {
+            if (excess > 0) found.few.push_back(index);
+            return;
+        }
         float explained = 0;
         for (const std::uint32_t child : tree_.nodes[index].child)
             if (!(child & kLeaf)) explained += std::max(0.0f, excessOf(child));
-        if (!(explained >= excess / 2)) return rebuild(index, fresher);
-        float below = 0;
-        for (int slot = 0; slot < kLanes; ++slot) {
-            const std::uint32_t child = tree_.nodes[index].child[slot];
-            if (!(child & kLeaf) && !inspect(child, below)) return false;
+        if (excess > kDrift * freshCost(index) && excess > kFelt * tree_.nodes[0].links.cost &&
+            !(explained >= excess / 2))
+            return found.whole.push_back(index);
+        for (const std::uint32_t child : tree_.nodes[index].child)
+            if (!(child & kLeaf)) findDrifted(child, found);
+    }
+
+    /// Boxes that have grown cost more than new ones would, by how much is not known: so as many
+    /// primitives are built anew as keeps any motion in bounds, those first that cost most.
+    bool followDrift(std::uint64_t moved) {
+        Drifted drifted;
+        findDrifted(0, drifted);
+        for (const std::uint32_t node : drifted.whole)
+            if (!rebuild(node)) return false;
+        const auto perPrimitive = [&](std::uint32_t node) {
+            return excessOf(node) / static_cast<float>(tree_.nodes[node].links.count);
+        };
+        std::sort(drifted.few.begin(), drifted.few.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return perPrimitive(a) > perPrimitive(b);
+        });
+        const float excess = state_.costAfter > 0 ? state_.costBefore / state_.costAfter - 1 : 0;
+        const float upkeep = std::clamp(excess / kAllowed, kLeastUpkeep, kMostUpkeep);
+        std::uint64_t built = 0;
+        for (const std::uint32_t node : drifted.few) {
+            const float drift = excessOf(node) / freshCost(node);
+            if (!(static_cast<float>(built) < static_cast<float>(singles_) * upkeep +
+                                                  static_cast<float>(moved) * drift * drift))
+                break;
+            built += tree_.nodes[node].links.count;
+            if (!rebuild(node)) return false;
         }
-        sum(index);
-        Node::Links& links = tree_.nodes[index].links;
-        links.costThen = fresh + below;
-        links.countThen = links.count;
-        fresher += below;
+        for (float* sum :
+             {&state_.costBefore, &state_.costAfter, &state_.nodesBefore, &state_.nodesAfter})
+            *sum *= kMemory;
         return true;
+    }
+
+    std::size_t liveNodes() const { return tree_.nodes.size() - state_.free[kNodes].size(); }
+
+    /// A new tree would have more nodes than when this was new, too: what was built anew lately tells how many.
+    bool hasTooManyNodes() const {
+        return liveNodes() > state_.nodesThen + state_.nodesThen / kNodesPart + kLanes &&
+               !(state_.nodesBefore < kMostNodes * state_.nodesAfter);
     }
 
     void release(std::uint32_t reference) {
@@ -591,12 +850,14 @@ private:
         freeNode(reference);
     }
 
-    bool rebuild(std::uint32_t index, float& fresher) {
+    bool rebuild(std::uint32_t index) {
         const Node::Links links = tree_.nodes[index].links;
         if (links.parent == kEmptyChild) return false;
         const float fresh = freshCost(index);
         members_.clear();
+        const std::size_t all = liveNodes();
         release(index);
+        const std::size_t others = liveNodes();
         const auto count = static_cast<std::uint32_t>(members_.size());
         report_.rebuilt += count;
         std::unique_ptr<Reference[]> references(new Reference[count]);
@@ -607,7 +868,19 @@ private:
         const std::uint32_t child = emitSubtree(cells, primitives_, options_.storage, links.parent,
                                                 links.slot, tree_, places_);
         tree_.nodes[links.parent].child[links.slot] = child;
-        fresher += cells[cells.root()].cost[0] - fresh;
+        const float cost =
+            shareOf(child, boxOf(tree_.nodes[links.parent], static_cast<int>(links.slot))).cost;
+        state_.costBefore += links.cost;
+        state_.costAfter += cost;
+        state_.nodesBefore += static_cast<float>(all - others);
+        state_.nodesAfter += static_cast<float>(liveNodes() - others);
+        for (std::uint32_t above = links.parent; above != kEmptyChild;) {
+            Node::Links& changed = tree_.nodes[above].links;
+            changed.costThen = freshCost(above) + cost - fresh;
+            changed.countThen = changed.count;
+            changed.cost += cost - links.cost;
+            above = changed.parent;
+        }
         return true;
     }
 
@@ -626,6 +899,7 @@ private:
     std::vector<std::uint32_t> members_; // scratch
     std::vector<Reference> references_;  // scratch
     LeafContents scratch_;
+    Box root_; // of node 0
 };
 
 } // namespace

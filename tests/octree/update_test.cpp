@@ -255,15 +255,24 @@ TEST(Update, ManyRandomMotionsCostLittle) {
     std::size_t differing = 0, whole = 0;
     std::uint64_t rebuilt = 0;
     double mostNodes = 0, mostCost = 0;
+    const auto report = [&](int done) {
+        std::printf("%d motions of %u triangles: %zu hits differ, nodes %.3f and cost %.3f of a "
+                    "fresh build at most, %.3f of the tree built anew per motion, %zu times the "
+                    "whole\n",
+                    done, p.count(), differing, mostNodes, mostCost,
+                    static_cast<double>(rebuilt) / p.count() / done, whole);
+        std::fflush(stdout);
+    };
     for (int i = 0; i < motions; ++i) {
+        if (i && i % 500 == 0) report(i);
         std::vector<PrimitiveId> moved;
         for (std::uint32_t k = 0; k < p.count() / 100; ++k) {
             moved.push_back(PrimitiveId{random.below(p.count())});
             move(p, moved.back(), random.direction() * (random.unit() * 0.01 * diagonal));
         }
-        const auto report = tree.update(p, moved);
-        whole += report.whole;
-        rebuilt += report.rebuilt;
+        const auto did = tree.update(p, moved);
+        whole += did.whole;
+        rebuilt += did.rebuilt;
         const Octree fresh = Octree::build(p, {.movable = true});
         differing += countDiffering(tree, fresh, scene, 100 * static_cast<std::uint64_t>(i), 100);
         const auto ours = tree.statistics(), theirs = fresh.statistics();
@@ -275,10 +284,7 @@ TEST(Update, ManyRandomMotionsCostLittle) {
     EXPECT_EQ(0u, differing);
     EXPECT_LE(mostNodes, kMostNodes);
     EXPECT_LE(mostCost, kMostCost);
-    std::printf("%d motions of %u triangles: %zu hits differ, nodes %.3f and cost %.3f of a fresh "
-                "build at most, %.2f of the tree built anew per motion, %zu times the whole\n",
-                motions, p.count(), differing, mostNodes, mostCost,
-                static_cast<double>(rebuilt) / p.count() / motions, whole);
+    report(motions);
 }
 
 } // namespace
