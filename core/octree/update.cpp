@@ -31,7 +31,7 @@ constexpr float kMemory = 0.9f; // from one update to the next, of what upkeep g
 // The whole: nodes, when there are 1 + 1/4 times as many as when it was built, and 1.4 times as many as new
 // subtrees have; primitives that moved alone since, times all there are; 1/8 of all leave at once.
 constexpr std::uint32_t kNodesPart = 4, kWorthBuilding = 8;
-constexpr float kMostNodes = 1.4f;
+constexpr float kMostNodes = 1.4f, kTrusted = 256; // nodes of new subtrees that say anything
 constexpr std::uint64_t kManySingles = 2;
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
@@ -837,7 +837,8 @@ private:
     /// A new tree would have more nodes than when this was new, too: what was built anew lately tells how many.
     bool hasTooManyNodes() const {
         return liveNodes() > state_.nodesThen + state_.nodesThen / kNodesPart + kLanes &&
-               !(state_.nodesBefore < kMostNodes * state_.nodesAfter);
+               !(state_.nodesAfter > kTrusted &&
+                 state_.nodesBefore < kMostNodes * state_.nodesAfter);
     }
 
     void release(std::uint32_t reference) {
