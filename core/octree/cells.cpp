@@ -88,13 +88,6 @@ template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, co
 
 } // namespace
 
-std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
-    const auto& segments = primitives.segments;
-    const auto& segment =
-        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
-    return segment.index + id - static_cast<std::uint32_t>(segment.first);
-}
-
 bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
                  const Reference* last) {
     if (last - first > kSharedLanes) return false;

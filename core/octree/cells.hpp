@@ -10,6 +10,7 @@
 #include <core/octree/octree.hpp>
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 namespace rt::octree {
@@ -45,29 +46,43 @@ struct Cell {
 };
 
 /// Index of a primitive in the array of its kind.
-std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id);
+inline std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
+    const auto& segments = primitives.segments;
+    const auto& segment =
+        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
+    return segment.index + id - static_cast<std::uint32_t>(segment.first);
+}
 
-/// Up to 16 different corners.
+/// Up to 16 different corners, in the order in which they came.
 class CornerSet {
 public:
+    CornerSet() { std::memset(placeOf_, 0xFF, sizeof placeOf_); }
+
     /// Its place; -1 when it is new and there is none left.
     int add(std::uint32_t corner) {
-        // All places at once: a search that stops early costs a mispredicted branch each time.
-        unsigned found = 0;
-        for (unsigned i = 0; i < kSharedLanes; ++i)
-            found |= static_cast<unsigned>(corners_[i] == corner) << i;
-        found &= (1u << size_) - 1;
-        if (found) return __builtin_ctz(found);
-        if (size_ == kSharedLanes) return -1;
-        corners_[size_] = corner;
-        return size_++;
+        // Whether a corner is known nobody can foretell: no branch may depend on it.
+        std::uint8_t& entry = placeOf_[corner * 0x9E3779B1u >> 24]; // [Knuth 1973]
+        unsigned place = entry;
+        bool known = place < size_ && corners_[place] == corner;
+        if (place < size_ && !known) {
+            place = 0; // another corner has the entry
+            while (place < size_ && corners_[place] != corner) ++place;
+            known = place < size_;
+        }
+        place = known ? place : size_;
+        if (place == kSharedLanes) return -1;
+        entry = static_cast<std::uint8_t>(place);
+        corners_[place] = corner;
+        size_ += !known;
+        return static_cast<int>(place);
     }
-    int size() const { return size_; }
+    int size() const { return static_cast<int>(size_); }
     std::uint32_t at(int i) const { return corners_[i]; }
 
 private:
-    std::uint32_t corners_[kSharedLanes] = {};
-    int size_ = 0;
+    std::uint8_t placeOf_[256]; // by the corner's hash; of one that came last, if any
+    std::uint32_t corners_[kSharedLanes];
+    unsigned size_ = 0;
 };
 
 /// Do these fit one shared block: triangles only, with few enough corners?

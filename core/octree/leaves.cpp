@@ -3,6 +3,7 @@
 #include <core/geometry/intersect.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -200,12 +201,12 @@ void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLan
     CornerSet corners;
     block.valid = (1u << count) - 1;
     for (auto& word : block.spare) word = 0;
-    for (std::uint32_t lane = 0; lane < kSharedLanes; ++lane)
+    std::memset(block.index, 0, sizeof block.index);
+    for (std::uint32_t lane = 0; lane < count; ++lane) {
+        const auto& triangle = primitives_.triangles.indices[indexOf(ids[lane])];
         for (std::size_t c = 0; c < 3; ++c)
-            block.index[c][lane] = lane < count
-                                       ? static_cast<std::uint8_t>(corners.add(
-                                             primitives_.triangles.indices[indexOf(ids[lane])][c]))
-                                       : std::uint8_t{0};
+            block.index[c][lane] = static_cast<std::uint8_t>(corners.add(triangle[c]));
+    }
     for (int i = 0; i < kSharedLanes; ++i) {
         // Unused corners repeat the first: lanes must not meet NaN where none is needed.
         const Vec3& p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
