@@ -3,11 +3,12 @@
 // A level of the octree cuts its cell once in x, once in y and once in z. The first cut may be along
 // any axis and halves the cell; each half chooses for itself which of the two other axes is next, and
 // where; the quarters take the axis that is left: 7 planes a level, each where the surface area
-// heuristic [MacDonald, Booth 1990] finds it cheapest among 16. A cut with everything on one side
-// makes no cell; its axis counts as cut.
+// heuristic [MacDonald, Booth 1990] finds it cheapest, among 16 or, where few primitives are left, among
+// all. A cut with everything on one side makes no cell; its axis counts as cut.
 #pragma once
 #include <core/octree/layout.hpp>
 #include <core/octree/octree.hpp>
+#include <core/octree/tree.hpp>
 
 #include <cstdint>
 #include <cstring>
@@ -35,13 +36,11 @@ struct Cell {
     float upper[3];
     std::uint32_t end;
     std::uint32_t below, above; // the two sides of the cut; kNoCell in a cell that is not cut
-    float plane;                // on `axis`; primitives with centre < plane are below
-    std::uint8_t axis;
-    std::uint8_t open;        // bit per axis that this level had not cut yet, before this cut
-    std::uint8_t sharesBlock; // as a leaf it is one shared block
-    std::uint8_t reserved;
-    float cost[kNodeChildren];         // [n]: of this cell in n + 1 or fewer slots of a node
-    std::uint8_t split[kNodeChildren]; // [n]: slots of them that go below; 0: one slot suffices
+    std::uint8_t axis;          // of the cut
+    std::uint8_t sharesBlock;   // as a leaf it is one shared block
+    // In n + 1 or fewer slots of a node, fewer than it has:
+    std::uint8_t split[kNodeChildren - 1]; // [n]: how many of them go below; 0: it takes one
+    float cost[kNodeChildren - 1];         // [n]
     bool isCut() const { return below != kNoCell; }
 };
 
@@ -92,14 +91,13 @@ bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
 class Cells {
 public:
     /// Sorts `references` into cells. `scale`: octree units per world unit.
-    Cells(const geometry::Primitives& primitives, std::unique_ptr<Reference[]> references,
-          std::uint32_t count, double scale, const BuildOptions& options);
-    ~Cells();
+    Cells(const geometry::Primitives& primitives, Array<Reference> references, std::uint32_t count,
+          double scale, const BuildOptions& options);
     Cells(const Cells&) = delete;
     Cells& operator=(const Cells&) = delete;
 
     const Cell& operator[](std::uint32_t i) const { return cells_[i]; }
-    const Reference* references() const { return references_.get(); }
+    const Reference* references() const { return references_.data(); }
     std::uint32_t root() const { return root_; }
 
     /// A cell that stays whole: its primitives are a leaf.
@@ -111,8 +109,8 @@ private:
     class Builder;
     void gather(std::uint32_t cell, int slots, std::uint32_t* children, int& count) const;
 
-    std::unique_ptr<Reference[]> references_;
-    Cell* cells_ = nullptr;
+    Array<Reference> references_;
+    Array<Cell> cells_;
     std::uint32_t root_ = kNoCell;
 };
 

@@ -3,13 +3,12 @@
 #include <core/numeric/box.hpp>
 #include <core/octree/cells.hpp>
 
-#include <memory>
 #include <vector>
 
 namespace rt::octree {
 
 struct References {
-    std::unique_ptr<Reference[]> bounded;
+    Array<Reference> bounded;
     std::uint32_t boundedCount = 0;
     std::vector<Reference> unbounded; // without finite bounds; boxes not set
     double center[3] = {0, 0, 0};     // of octree space, world units

@@ -861,7 +861,7 @@ private:
         const std::size_t others = liveNodes();
         const auto count = static_cast<std::uint32_t>(members_.size());
         report_.rebuilt += count;
-        std::unique_ptr<Reference[]> references(new Reference[count]);
+        Array<Reference> references(count);
         for (std::uint32_t i = 0; i < count; ++i)
             if (!referenceOf(primitives_, members_[i], center_, scale_, references[i]))
                 return false;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace rt::test {
 namespace {
@@ -20,6 +21,8 @@ using octree::Cells;
 using octree::kEmptyChild;
 using octree::kNoCell;
 using octree::Reference;
+
+using Quad = __float128;
 
 class Structure : public testing::TestWithParam<int> {
 protected:
@@ -61,9 +64,15 @@ protected:
         ASSERT_EQ(cell.end, above.end);
         ASSERT_LT(below.begin, below.end);
         ASSERT_LT(above.begin, above.end);
-        for (std::uint32_t i = cell.begin; i < cell.end; ++i)
-            ASSERT_EQ(i < below.end,
-                      twiceCenter(cells_->references()[i], cell.axis) < 2 * cell.plane);
+        float lastBelow = -2, firstAbove = 2; // a plane lies between them
+        for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+            const float c = twiceCenter(cells_->references()[i], cell.axis);
+            if (i < below.end)
+                lastBelow = std::max(lastBelow, c);
+            else
+                firstAbove = std::min(firstAbove, c);
+        }
+        ASSERT_LT(lastBelow, firstAbove);
         open &= ~(1u << cell.axis);
         if (open == 0) {
             ++levels_;
@@ -188,6 +197,54 @@ TEST_P(Structure, BytesDependOnNoThread) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Structure, testing::Range(0, 6));
+
+TEST(Structure, CornersOfOneHashAreToldApart) {
+    // Multiples of the inverse of the hash's factor: all have the same entry, then all have their own.
+    constexpr std::uint32_t kInverse = 0x0E8B2F51u;
+    static_assert(kInverse * 0x9E3779B1u == 1u);
+    for (const std::uint32_t step : {kInverse, kInverse << 24}) {
+        octree::CornerSet corners;
+        for (int round = 0; round < 3; ++round)
+            for (std::uint32_t i = 0; i < 16; ++i)
+                ASSERT_EQ(static_cast<int>(i), corners.add(i * step)) << "round " << round;
+        EXPECT_EQ(-1, corners.add(16 * step));
+        EXPECT_EQ(16, corners.size());
+        for (int i = 0; i < 16; ++i) EXPECT_EQ(static_cast<std::uint32_t>(i) * step, corners.at(i));
+    }
+}
+
+TEST(Structure, BoxesAreTheTightestF32OnesAroundThePrimitive) {
+    Random random(23);
+    for (const double size : {1e-300, 1e-3, 1.0, 1e30}) {
+        std::vector<Vec3> positions{Vec3(0.0), Vec3(size),
+                                    Vec3(-size)}; // the last box but one has zeros
+        std::vector<std::array<std::uint32_t, 3>> indices{{0, 1, 2}, {0, 0, 0}};
+        for (std::uint32_t i = 0; i < 1000; ++i) {
+            for (int c = 0; c < 3; ++c) positions.push_back(random.inBox(size));
+            indices.push_back({3 * i + 3, 3 * i + 4, 3 * i + 5});
+        }
+        Primitives p;
+        addMesh(p, positions, indices);
+        const octree::References references = octree::referencesOf(p);
+        ASSERT_EQ(p.count(), references.boundedCount);
+        for (std::uint32_t i = 0; i < references.boundedCount; ++i) {
+            const Reference& r = references.bounded[i];
+            for (int a = 0; a < 3; ++a) {
+                Quad lower = HUGE_VAL, upper = -HUGE_VAL;
+                for (const std::uint32_t c : indices[r.id]) {
+                    const Quad x = (static_cast<Quad>(positions[c][a]) - references.center[a]) *
+                                   references.scale;
+                    lower = std::min(lower, x);
+                    upper = std::max(upper, x);
+                }
+                ASSERT_LE(r.lower[a], lower);
+                ASSERT_GT(std::nextafter(r.lower[a], 2.0f), lower);
+                ASSERT_GE(r.upper[a], upper);
+                ASSERT_LT(std::nextafter(r.upper[a], -2.0f), upper);
+            }
+        }
+    }
+}
 
 TEST(Structure, ThreadsShareLargeTreesTheSameWay) {
     // Big enough for the parallel passes over one cell.
