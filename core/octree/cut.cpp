@@ -9,7 +9,6 @@ namespace rt::octree {
 namespace {
 
 constexpr std::uint32_t kFew = 16; // references of a cell that are sorted, not binned
-constexpr std::uint32_t kWorthTwo = 256; // references, for bins in two copies
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
 /// Bounds of doubled centres.
@@ -147,13 +146,17 @@ struct Bins {
     void fill(const Reference* first, const Reference* last, const Scale& scale, unsigned axes,
               int count) {
         clear(axes, count);
-        if (static_cast<std::uint32_t>(last - first) < kWorthTwo)
-            return fill<1>(first, last, scale, axes, this);
-        // Neighbours often go to the same bin, and would wait for each other.
-        Bins two[2];
-        for (Bins& bins : two) bins.clear(axes, count);
-        fill<2>(first, last, scale, axes, two);
-        for (const Bins& bins : two) add(bins, axes, count);
+        int axis[3], n = 0;
+        for (int a = 0; a < 3; ++a)
+            if (axes >> a & 1) axis[n++] = a;
+        switch (n) {
+        case 1:
+            return fill<1>(first, last, scale, axis);
+        case 2:
+            return fill<2>(first, last, scale, axis);
+        default:
+            return fill<3>(first, last, scale, axis);
+        }
     }
     void add(const Bins& other, unsigned axes, int count) {
         for (int a = 0; a < 3; ++a)
@@ -165,36 +168,16 @@ struct Bins {
     }
 
 private:
-    /// In turns into several of them.
-    template <int kSets>
-    static void fill(const Reference* first, const Reference* last, const Scale& scale,
-                     unsigned axes, Bins* into) {
-        int axis[3], n = 0;
-        for (int a = 0; a < 3; ++a)
-            if (axes >> a & 1) axis[n++] = a;
-        switch (n) {
-        case 1:
-            return fill<kSets, 1>(first, last, scale, axis, into);
-        case 2:
-            return fill<kSets, 2>(first, last, scale, axis, into);
-        default:
-            return fill<kSets, 3>(first, last, scale, axis, into);
-        }
-    }
-    template <int kSets, int kAxes>
-    static void fill(const Reference* first, const Reference* last, const Scale& scale,
-                     const int* axis, Bins* into) {
-        Bin* row[kSets][kAxes];
-        for (int set = 0; set < kSets; ++set)
-            for (int i = 0; i < kAxes; ++i) row[set][i] = into[set].of[axis[i]];
-        const auto one = [&](const Reference& r, Bin* const* rows) {
+    template <int kAxes>
+    void fill(const Reference* first, const Reference* last, const Scale& scale, const int* axis) {
+        Bin* row[kAxes];
+        for (int i = 0; i < kAxes; ++i) row[i] = of[axis[i]];
+        for (; first != last; ++first) {
             alignas(16) std::int32_t place[4];
-            _mm_store_si128(reinterpret_cast<__m128i*>(place), scale.placesOf(r));
-            for (int i = 0; i < kAxes; ++i) rows[i][place[axis[i]]].add(lowerOf(r), upperOf(r), 1);
-        };
-        for (; last - first >= kSets; first += kSets)
-            for (int set = 0; set < kSets; ++set) one(first[set], row[set]);
-        for (; first != last; ++first) one(*first, row[0]);
+            _mm_store_si128(reinterpret_cast<__m128i*>(place), scale.placesOf(*first));
+            for (int i = 0; i < kAxes; ++i)
+                row[i][place[axis[i]]].add(lowerOf(*first), upperOf(*first), 1);
+        }
     }
 };
 
@@ -256,9 +239,7 @@ Cut cheapestCut(const Range& range, const Centers& centers, const Reference* fro
             [&](int i) {
                 return Box{row[i].lower, row[i].upper};
             },
-            [&](int i) {
-                return _mm_loadu_si128(reinterpret_cast<const __m128i*>(below[a] + i));
-            },
+            [&](int i) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(below[a] + i)); },
             [](int) { return _mm_setzero_si128(); });
     }
     Cut best;
@@ -294,8 +275,7 @@ Cut cheapestCutOfFew(const Range& range, const Centers& centers, const Reference
         if (!(axes >> a & 1)) continue;
         alignas(16) std::int32_t key[kMost], rank[kMost];
         for (int g = 0; g < kMost / 4; ++g) {
-            const __m128i which =
-                _mm_add_epi32(_mm_set1_epi32(4 * g), _mm_setr_epi32(0, 1, 2, 3));
+            const __m128i which = _mm_add_epi32(_mm_set1_epi32(4 * g), _mm_setr_epi32(0, 1, 2, 3));
             const __m128i unused = _mm_cmpgt_epi32(which, _mm_set1_epi32(count - 1));
             const __m128i k = _mm_or_si128(_mm_slli_epi32(place[a][g], 4), which);
             _mm_store_si128(
