@@ -128,6 +128,16 @@ private:
         }
     }
 
+    /// Is there anything but spheres among what it moves?
+    bool movesPlanes(const MovieStatement& statement) const {
+        return !statement.camera && std::ranges::any_of(context_.objects, [&](const auto& object) {
+            return object.keyword != Keyword::sphere &&
+                   object.first <= statement.objectNumbers[1] &&
+                   statement.objectNumbers[0] <
+                       object.first + object.count.value_or(UINT64_MAX - object.first);
+        });
+    }
+
     /// What moves otherwise than in the original: said once for each.
     void noteChanges(const MovieStatement& statement) {
         if (statement.kind != MovieStatement::Kind::motion) return;
@@ -141,7 +151,7 @@ private:
         if (statement.type == MotionType::rotate) {
             note(saidRigid_, "what lies above or below the pivot keeps its distance: the original "
                              "drew it nearer with every step");
-        } else if (statement.type != MotionType::rotateSelf && !statement.camera) {
+        } else if (statement.type != MotionType::rotateSelf && movesPlanes(statement)) {
             note(saidPlanes_, "moved triangles, rects and meshes are drawn where they are: the "
                               "original left them on their old "
                               "plane until they turned");

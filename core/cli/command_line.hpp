@@ -69,6 +69,7 @@ struct EncodeOptions {
     std::optional<formats::VideoCodec> codec;
     std::optional<int> quality;
     std::optional<double> fps;
+    std::uint64_t maxPixels = scene::Limits().pixels; // of a frame
     ProgressStyle progress = ProgressStyle::automatic;
 };
 

@@ -6,7 +6,22 @@
 #include <core/parallel/parallel.hpp>
 #include <core/plugin_host/lower.hpp>
 
+#include <chrono>
+
 namespace rt::cli {
+namespace {
+
+template <class Work> double secondsOf(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void keepLeast(double& least, double seconds) {
+    if (least == 0 || seconds < least) least = seconds;
+}
+
+} // namespace
 
 std::optional<world::World> FrameDrawer::lower(const scene::Description& description,
                                                scene::Diagnostics& diagnostics,
@@ -27,26 +42,54 @@ formats::Settings FrameDrawer::settings() const {
     return filmSettings(options_, description_, *rest_, files_, catalog_);
 }
 
-void FrameDrawer::raise(std::unique_ptr<const film::Frame> frame, int threads) {
-    const geometry::Primitives& primitives = frame->world.primitives;
-    // Lowered anew, a frame may have other primitives than the one before.
-    if (tree_ && !animation::keyframesReachTheWorld(description_)) {
-        std::vector<geometry::PrimitiveId> moved;
-        for (const geometry::Segment& segment : primitives.segments) {
-            const auto object = static_cast<std::size_t>(segment.object);
-            if (!frame->moved[object] && !before_->moved[object]) continue;
-            for (std::uint32_t i = 0; i < segment.count; ++i)
-                moved.push_back(static_cast<geometry::PrimitiveId>(
-                    static_cast<std::uint32_t>(segment.first) + i));
-        }
-        tree_->update(primitives, moved);
-    } else {
+void FrameDrawer::build(const geometry::Primitives& primitives, int threads) {
+    const double seconds = secondsOf([&] {
+        tree_.reset();
         tree_ =
             octree::Octree::build(primitives, {.maxObjects = description_.render.octreeMaxObjects,
                                                .minSize = description_.render.octreeMinSize,
                                                .threads = threads,
                                                .movable = true});
+    });
+    ++statistics_.built;
+    statistics_.buildSeconds += seconds;
+    keepLeast(statistics_.fastestBuild, seconds);
+}
+
+void FrameDrawer::update(const geometry::Primitives& primitives,
+                         const std::vector<geometry::PrimitiveId>& moved) {
+    octree::UpdateReport report;
+    const double seconds = secondsOf([&] { report = tree_->update(primitives, moved); });
+    ++statistics_.updated;
+    statistics_.updateSeconds += seconds;
+    statistics_.moved += report.moved;
+    statistics_.entered += report.entered;
+    statistics_.rebuilt += report.rebuilt;
+    statistics_.gaveUp += report.whole;
+    if (!moved.empty())
+        keepLeast(statistics_.fastestUpdate, seconds / static_cast<double>(moved.size()));
+}
+
+void FrameDrawer::raise(std::unique_ptr<const film::Frame> frame, int threads) {
+    const geometry::Primitives& primitives = frame->world.primitives;
+    statistics_.primitives = primitives.count();
+    // Lowered anew, a frame may have other primitives than the one before.
+    const bool isLowered = tree_ && animation::keyframesReachTheWorld(description_);
+    std::vector<geometry::PrimitiveId> moved;
+    for (const geometry::Segment& segment : primitives.segments) {
+        const auto object = static_cast<std::size_t>(segment.object);
+        if (!tree_ || isLowered || (!frame->moved[object] && !before_->moved[object])) continue;
+        for (std::uint32_t i = 0; i < segment.count; ++i)
+            moved.push_back(
+                static_cast<geometry::PrimitiveId>(static_cast<std::uint32_t>(segment.first) + i));
     }
+    const bool isSlower = tree_ && !isLowered && statistics_.foreseesSlowerUpdate(moved.size());
+    statistics_.lowered += isLowered;
+    statistics_.foreseen += isSlower;
+    if (!tree_ || isLowered || isSlower)
+        build(primitives, threads);
+    else
+        update(primitives, moved);
     before_ = std::move(frame);
 }
 
@@ -55,9 +98,12 @@ std::optional<image::Framebuffer> FrameDrawer::draw(std::uint32_t number,
                                                     scene::Diagnostics& diagnostics) {
     if (stopRequested()) return {};
     scene::Diagnostics problems; // warnings of the rest pose are not said again for each frame
-    auto frame = film::frameAt(
-        description_, *rest_, number,
-        [&](const auto& still, auto& found) { return lower(still, found, nullptr); }, problems);
+    std::optional<film::Frame> frame;
+    statistics_.poseSeconds += secondsOf([&] {
+        frame = film::frameAt(
+            description_, *rest_, number,
+            [&](const auto& still, auto& found) { return lower(still, found, nullptr); }, problems);
+    });
     if (!frame) return diagnostics.add(problems), std::nullopt;
     const int threads = options_.threads ? options_.threads : parallel::availableThreads();
     raise(std::make_unique<const film::Frame>(std::move(*frame)), threads);
@@ -67,9 +113,12 @@ std::optional<image::Framebuffer> FrameDrawer::draw(std::uint32_t number,
     traceOptions.crop = options_.crop;
     traceOptions.stop = &stopRequested();
     traceOptions.progress = show;
-    trace::Result result =
-        trace::render(*tree_, before_->world, before_->description, traceOptions);
+    trace::Result result;
+    statistics_.traceSeconds += secondsOf([&] {
+        result = trace::render(*tree_, before_->world, before_->description, traceOptions);
+    });
     if (!result.complete) return {};
+    ++statistics_.frames;
     if (result.counts.notFinite)
         diagnostics.warning(wholeFile(options_.scene),
                             "frame " + std::to_string(number) + ": " +

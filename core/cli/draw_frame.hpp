@@ -17,6 +17,25 @@
 
 namespace rt::cli {
 
+/// What the frames drawn so far took, in seconds of wall time, and how the octree came from one to the next. Whichever
+/// way was taken, the pictures are the same.
+struct FilmStatistics {
+    std::uint64_t frames = 0;
+    double poseSeconds = 0, buildSeconds = 0, updateSeconds = 0, traceSeconds = 0;
+    std::uint64_t built = 0, updated = 0;              // frames
+    std::uint64_t lowered = 0;                         // of those built: keyframes changed shapes
+    std::uint64_t foreseen = 0;                        // of those built: an update would be slower
+    std::uint64_t moved = 0, entered = 0, rebuilt = 0; // primitives, by updates
+    std::uint64_t gaveUp = 0;                          // updates that built the whole anew
+    std::uint64_t primitives = 0;
+    double fastestBuild = 0, fastestUpdate = 0; // of the latter, per moved primitive; 0: none yet
+
+    /// By what was measured so far; false as long as nothing was.
+    bool foreseesSlowerUpdate(std::uint64_t toMove) const {
+        return static_cast<double>(toMove) * fastestUpdate > fastestBuild;
+    }
+};
+
 class FrameDrawer {
 public:
     /// Keeps references to all of them.
@@ -33,6 +52,8 @@ public:
                                            const std::function<void(double share)>& show,
                                            scene::Diagnostics& diagnostics);
 
+    const FilmStatistics& statistics() const { return statistics_; }
+
 private:
     std::optional<world::World> lower(const scene::Description& description,
                                       scene::Diagnostics& diagnostics,
@@ -40,6 +61,9 @@ private:
 
     /// The octree follows from the frame before; its answers are those of a fresh one.
     void raise(std::unique_ptr<const film::Frame> frame, int threads);
+    void build(const geometry::Primitives& primitives, int threads);
+    void update(const geometry::Primitives& primitives,
+                const std::vector<geometry::PrimitiveId>& moved);
 
     const RenderOptions& options_;
     const scene::Description& description_;
@@ -48,6 +72,7 @@ private:
     std::set<std::string> files_;               // that the scene names
     std::unique_ptr<const film::Frame> before_; // which tree_ is of
     std::optional<octree::Octree> tree_;
+    FilmStatistics statistics_;
 };
 
 } // namespace rt::cli

@@ -63,7 +63,8 @@ int encode(const EncodeOptions& options, Console& console) {
         console.quiet() || console.jsonErrors() ? ProgressStyle::none : options.progress;
     const Interruptible interruptible;
     for (const std::string& output : outputs) {
-        const FilmFile file{output, frames, options.codec, options.quality, options.fps};
+        const FilmFile file{output,          frames,      options.codec,
+                            options.quality, options.fps, options.maxPixels};
         if (!encodeFilm(*store, file, progress, diagnostics)) {
             if (!stopRequested()) return finish();
             console.report(diagnostics);

@@ -119,7 +119,7 @@ bool encodeFilm(const formats::FrameStore& store, const FilmFile& file, Progress
             const std::string path = store.place().pathOf(store.place().fileOf(frame));
             const auto picture = formats::decodePicture(
                 {reinterpret_cast<const char*>(bytes->data()), bytes->size()},
-                {.encoding = encoding, .maxPixels = UINT64_MAX}, diagnostics, wholeFile(path));
+                {.encoding = encoding, .maxPixels = file.maxPixels}, diagnostics, wholeFile(path));
             if (!picture) return false;
             if (!writer) {
                 settings = settingsOf(store, file, picture->frame);

@@ -16,7 +16,8 @@ struct FilmFile {
     std::vector<std::uint32_t> frames;
     std::optional<formats::VideoCodec> codec;
     std::optional<int> quality;
-    std::optional<double> fps; // none: as the manifest says
+    std::optional<double> fps;                        // none: as the manifest says
+    std::uint64_t maxPixels = scene::Limits().pixels; // of a frame
 };
 
 /// Throws UsageError where the container does not take the codec, or is none.

@@ -344,7 +344,12 @@ private:
                                         ? ProgressStyle::none
                                         : ProgressStyle::automatic;
         for (const std::string& film : plan->films) {
-            const FilmFile file{film, plan->frames, scene.options.codec, scene.options.quality, {}};
+            const FilmFile file{film,
+                                plan->frames,
+                                scene.options.codec,
+                                scene.options.quality,
+                                {},
+                                scene.options.limits.pixels};
             if (!encodeFilm(*store, file, style, diagnostics_)) return false;
             console_.result(film + "\n");
         }

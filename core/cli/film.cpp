@@ -6,6 +6,7 @@
 #include <core/cli/interrupt.hpp>
 #include <core/cli/output.hpp>
 #include <core/cli/progress.hpp>
+#include <core/cli/statistics.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -89,7 +90,9 @@ public:
             if (!store->isDone(frame)) missing.push_back(frame);
         console_.detail(std::to_string(missing.size()) + " of " +
                         std::to_string(plan_.frames.size()) + " frames to render");
-        if (!renderFrames(missing, *store)) return ended(*store);
+        const bool isRendered = renderFrames(missing, *store);
+        if (drawer_.statistics().frames) sayWhatItTook();
+        if (!isRendered) return ended(*store);
         return encodeFilms(*store);
     }
 
@@ -116,6 +119,13 @@ private:
         }
         progress.finish(1);
         return true;
+    }
+
+    void sayWhatItTook() {
+        if (options_.statistics)
+            reportStatistics(drawer_.statistics(), options_, console_, diagnostics_);
+        else
+            console_.detail(octreeSummary(drawer_.statistics()));
     }
 
     /// The file of one frame; nothing after an error or a signal.
@@ -148,7 +158,8 @@ private:
 
     int encodeFilms(const formats::FrameStore& store) {
         for (const std::string& film : plan_.films) {
-            const FilmFile file{film, plan_.frames, options_.codec, options_.quality, {}};
+            const FilmFile file{film, plan_.frames,          options_.codec, options_.quality,
+                                {},   options_.limits.pixels};
             if (!encodeFilm(store, file, progressStyle(), diagnostics_)) return ended(store);
             report();
             console_.result(film + "\n");
@@ -206,8 +217,6 @@ std::optional<FilmPlan> planFilm(const RenderOptions& options,
         throw UsageError("--output: " + scene::quoted(*film) +
                              " is a film, and the scene has no section 'animation'",
                          "for a picture: -o " + fs::path(*film).stem().string() + ".png");
-    if (options.statistics)
-        throw UsageError("--stats is for one picture", "such as --frames 0 -o frame.png");
     if (options.timeBudget)
         throw UsageError("--time-budget is for one picture: the frames of a film are the same on "
                          "every machine",

@@ -50,6 +50,10 @@ void addEncodeOptions(OptionRows& rows, EncodeOptions& options) {
                 [&options](const std::string& word) {
                     options.fps = parseReal(word, kLeastFps, kMostFps);
                 });
+    rows.option("--limit-pixels", "N", "Refuse larger frames; 268435456 by default.",
+                [&options](const std::string& word) {
+                    options.maxPixels = parseWhole(word, 1, 0xFFFFFFFF);
+                });
     rows.option("--progress", choiceName(progressStyleNames()),
                 "How progress is shown on stderr; auto is a bar on a terminal and nothing "
                 "elsewhere.",

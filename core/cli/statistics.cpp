@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 
 #include <sys/resource.h>
@@ -97,6 +98,88 @@ std::string shortest(double value) {
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
+double meanOf(double sum, std::uint64_t count) {
+    return count ? sum / static_cast<double>(count) : 0;
+}
+
+std::string fineMilliseconds(double seconds) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f ms", seconds * 1000);
+    return text;
+}
+
+/// Why the octree of most frames was made as it was.
+std::string reasonOf(const FilmStatistics& s) {
+    if (s.lowered) return "keyframes change the shapes themselves";
+    if (s.foreseen > s.updated) return "updates were measured to take longer";
+    if (s.gaveUp * 2 > s.updated) return "too much moved for an update to follow";
+    if (s.updated) return "updates were measured to take less";
+    return "there was one frame";
+}
+
+Json asJson(const FilmStatistics& s, const RenderOptions& options) {
+    return {{"rt", std::string(kVersion)},
+            {"commit", std::string(kCommit)},
+            {"scene", options.scene},
+            {"frames", s.frames},
+            {"simd", std::string(octree::Octree::simdLevel())},
+            {"wall_seconds",
+             {{"poses", s.poseSeconds},
+              {"octree", s.buildSeconds + s.updateSeconds},
+              {"trace", s.traceSeconds}}},
+            {"primitives", s.primitives},
+            {"octree",
+             {{"updated_frames", s.updated},
+              {"update_seconds", meanOf(s.updateSeconds, s.updated)},
+              {"built_frames", s.built},
+              {"build_seconds", meanOf(s.buildSeconds, s.built)},
+              {"built_for_new_shapes", s.lowered},
+              {"built_for_speed", s.foreseen},
+              {"updates_that_built_all", s.gaveUp},
+              {"moved", s.moved},
+              {"entered_elsewhere", s.entered},
+              {"rebuilt", s.rebuilt},
+              {"reason", reasonOf(s)}}},
+            {"peak_memory_bytes", peakBytes()}};
+}
+
+void writeJson(const Json& json, const std::string& file, const Console& console,
+               scene::Diagnostics& diagnostics) {
+    const std::string text = json.dump(2) + "\n";
+    std::vector<std::byte> bytes(text.size());
+    std::memcpy(bytes.data(), text.data(), text.size());
+    writeOutput(file, bytes, console, diagnostics);
+}
+
+std::string asTable(const FilmStatistics& s) {
+    std::string text;
+    const auto row = [&](std::string name, const std::string& value, const std::string& each = "") {
+        name.resize(28, ' ');
+        text += name + padded(value, 16) + (each.empty() ? "" : padded(each, 16)) + "\n";
+    };
+    const auto times = [&](const std::string& name, double seconds, std::uint64_t count) {
+        row(name, milliseconds(seconds), fineMilliseconds(meanOf(seconds, count)));
+    };
+    row("frames", grouped(s.frames));
+    row("", "wall", "each");
+    times("  poses", s.poseSeconds, s.frames);
+    times("  octree updated", s.updateSeconds, s.updated);
+    times("  octree built anew", s.buildSeconds, s.built);
+    times("  traced", s.traceSeconds, s.frames);
+    row("primitives", grouped(s.primitives));
+    const auto perUpdate = [&](const std::string& name, std::uint64_t count) {
+        row(name, grouped(count), grouped(s.updated ? count / s.updated : 0));
+    };
+    row("octree", "all", "each update");
+    row("  frames updated", grouped(s.updated));
+    row("  frames built anew", grouped(s.built));
+    perUpdate("  primitives moved", s.moved);
+    perUpdate("  that left their place", s.entered);
+    perUpdate("  rebuilt", s.rebuilt);
+    row("peak memory", grouped(peakBytes() / 1024) + " kB");
+    return text + octreeSummary(s) + "\n";
+}
+
 std::string asTable(const Statistics& s) {
     constexpr std::size_t kNameWidth = 24, kNumberWidth = 16;
     std::string text;
@@ -163,10 +246,25 @@ void Phases::end() {
 void reportStatistics(const Statistics& statistics, const Console& console,
                       scene::Diagnostics& diagnostics) {
     if (statistics.options.statisticsFile.empty()) return console.table(asTable(statistics));
-    const std::string text = asJson(statistics).dump(2) + "\n";
-    std::vector<std::byte> bytes(text.size());
-    std::memcpy(bytes.data(), text.data(), text.size());
-    writeOutput(statistics.options.statisticsFile, bytes, console, diagnostics);
+    writeJson(asJson(statistics), statistics.options.statisticsFile, console, diagnostics);
+}
+
+void reportStatistics(const FilmStatistics& statistics, const RenderOptions& options,
+                      const Console& console, scene::Diagnostics& diagnostics) {
+    if (options.statisticsFile.empty()) return console.table(asTable(statistics));
+    writeJson(asJson(statistics, options), options.statisticsFile, console, diagnostics);
+}
+
+std::string octreeSummary(const FilmStatistics& s) {
+    std::string text = "octree: updated in " + grouped(s.updated) + " of " +
+                       grouped(s.built + s.updated) + " frames";
+    if (s.updated)
+        text += ", " + fineMilliseconds(meanOf(s.updateSeconds, s.updated)) + " each for " +
+                grouped(s.moved / s.updated) + " of " + grouped(s.primitives) + " primitives moved";
+    if (s.built)
+        text += "; built anew in " + grouped(s.built) + ", " +
+                fineMilliseconds(meanOf(s.buildSeconds, s.built)) + " each";
+    return text + ": " + reasonOf(s);
 }
 
 } // namespace rt::cli

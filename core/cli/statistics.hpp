@@ -2,6 +2,7 @@
 #pragma once
 #include <core/cli/command_line.hpp>
 #include <core/cli/console.hpp>
+#include <core/cli/draw_frame.hpp>
 #include <core/octree/octree.hpp>
 #include <core/scene/description.hpp>
 #include <core/trace/render.hpp>
@@ -45,5 +46,11 @@ struct Statistics {
 /// To stderr, or to the file that the options name.
 void reportStatistics(const Statistics& statistics, const Console& console,
                       scene::Diagnostics& diagnostics);
+
+/// Of a film: what its frames took, and how the octree followed the motion and why so.
+void reportStatistics(const FilmStatistics& statistics, const RenderOptions& options,
+                      const Console& console, scene::Diagnostics& diagnostics);
+/// The latter in a sentence.
+std::string octreeSummary(const FilmStatistics& statistics);
 
 } // namespace rt::cli

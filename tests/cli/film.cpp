@@ -67,6 +67,25 @@ TEST_F(Film, IsRenderedAndEncoded) {
     }
 }
 
+TEST_F(Film, SaysHowTheOctreeFollowed) {
+    const Outcome table = rt("render film.yaml --stats");
+    EXPECT_EQ(table.exitCode, 0) << table.err;
+    EXPECT_TRUE(std::regex_search(
+        table.err, std::regex("octree: updated in [0-4] of 5 frames.*; built anew in [1-5], .* ms "
+                              "each: [a-z ]+\n$")))
+        << table.err;
+    const std::string pictures = read("film.mp4");
+    EXPECT_EQ(rt("render film.yaml -o a.mp4 --stats=s.json").err, "");
+    const std::string json = read("s.json");
+    for (const char* const key : {"updated_frames", "update_seconds", "built_frames", "moved",
+                                  "rebuilt", "reason", "poses", "trace"})
+        EXPECT_NE(json.find('"' + std::string(key) + "\": "), std::string::npos) << key;
+    EXPECT_NE(rt("render film.yaml -o b.mp4 -v").err.find("octree: updated in "),
+              std::string::npos);
+    EXPECT_EQ(rt("render film.yaml -o b.mp4 -v --resume").err.find("octree: "), std::string::npos);
+    EXPECT_TRUE(read("a.mp4") == pictures && read("b.mp4") == pictures);
+}
+
 TEST_F(Film, GoesWhereTheSceneSays) {
     write("film.yaml",
           std::regex_replace(kFilm, std::regex("height: 48"), "height: 48, file: move.AVI"));
@@ -220,8 +239,6 @@ TEST_F(Film, CommandLinesThatMeanNothingAreRefused) {
         {"film.yaml -o a_%d.tga",
          "--output: the suffix of frames must be png, jpg, jpeg, bmp, exr or pfm (got 'a_%d.tga'); "
          "see rt render --help\n"},
-        {"film.yaml -o a.mp4 --stats",
-         "--stats is for one picture; such as --frames 0 -o frame.png\n"},
         {"film.yaml -o a.mp4 --time-budget 3",
          "--time-budget is for one picture: the frames of a film are the same on every machine; "
          "use --max-error\n"},

@@ -283,6 +283,19 @@ std::vector<Options::Case> Options::cases() {
          },
          "encode kept.frames --fps 0",
          encode + "--fps: must be a number from 0.001 to 1000 (got '0')" + seeEncode},
+        {"encode", "--limit-pixels", "encode kept.frames -o i.avi --limit-pixels 3072",
+         [this](const Outcome&) {
+             const Outcome o = rt("encode kept.frames -o j.avi --limit-pixels 3071");
+             EXPECT_EQ(o.exitCode, 7);
+             EXPECT_NE(o.err.find("kept.frames/frame_0000.png: error[E0713]: the picture has 64 x "
+                                  "48 pixels, more than the limit of 3071"),
+                       std::string::npos)
+                 << o.err;
+             EXPECT_FALSE(exists("j.avi"));
+         },
+         "encode kept.frames --limit-pixels 0",
+         encode + "--limit-pixels: must be a whole number from 1 to 4294967295 (got '0')" +
+             seeEncode},
         {"encode", "--progress", "encode kept.frames -o h.avi --progress plain",
          [](const Outcome& o) {
              EXPECT_TRUE(std::regex_search(o.err, std::regex("h.avi 100 %, [0-9.]+ s\n$")))

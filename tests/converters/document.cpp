@@ -378,6 +378,21 @@ TEST(InfMovies, WhatMovesOtherwiseIsSaidOnce) {
                                        "carried on with both"}));
 }
 
+TEST(InfMovies, OnlyWhatHasAPlaneIsSaidToHaveLeftIt) {
+    const auto saysPlane = [](const std::string& number) {
+        for (const std::string& note :
+             convertFilm("movie 12 24\n" + number + " move 1 2 3 0 6\n").notes())
+            if (note.starts_with("2:1 moved triangles, rects and meshes")) return true;
+        return false;
+    };
+    EXPECT_FALSE(saysPlane("0"));
+    EXPECT_FALSE(saysPlane("0-1"));
+    EXPECT_TRUE(saysPlane("1-2")); // the first face of the box
+    EXPECT_TRUE(saysPlane("13"));
+    EXPECT_TRUE(saysPlane("14"));
+    EXPECT_FALSE(saysPlane("camera v"));
+}
+
 TEST(InfMovies, FacesAreCountedAsTheOriginalCounted) {
     const ObjFaces faces =
         countObjFaces("# cube\nv 0 0 0\n v 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 1 2 3 "
