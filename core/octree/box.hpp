@@ -18,6 +18,11 @@ struct Box {
         upper = _mm_max_ps(upper, u);
     }
     void add(const Box& b) { add(b.lower, b.upper); }
+    bool holds(const Box& b) const {
+        return (_mm_movemask_ps(
+                    _mm_and_ps(_mm_cmple_ps(lower, b.lower), _mm_cmpge_ps(upper, b.upper))) &
+                7) == 7;
+    }
     /// Half of the surface; 0 if empty.
     float area() const {
         const __m128 d = _mm_max_ps(_mm_sub_ps(upper, lower), _mm_setzero_ps());

@@ -24,7 +24,7 @@ constexpr float kMerged = 2;  // what a leaf may grow by, over the area of the o
 // Subtrees built anew by themselves: when so much of their cost is drift, and so much of the tree's.
 constexpr float kDrift = 0.1f, kFelt = 0.03f;
 // Upkeep: subtrees of 1/32 of all primitives, 256 to 4096; one built anew for each that moved alone where the
-// tree costs 0.1 more than a new one, in proportion elsewhere.
+// tree costs 0.1 more than a new one, by the square of that elsewhere.
 constexpr std::uint32_t kFewShare = 32, kLeastFew = 256, kMostFew = 4096;
 constexpr float kAllowed = 0.1f, kLeastUpkeep = 0.25f, kMostUpkeep = 2;
 constexpr float kMemory = 0.9f; // from one update to the next, of what upkeep gained
@@ -98,6 +98,7 @@ public:
             if (!mark(static_cast<std::uint32_t>(moved[i]))) return false;
         }
         if (!tree_.nodes[0].links.marks) return true;
+        listLeaves(0);
         if (!edit(0).stands) return false;
         const std::uint32_t count = primitives_.count();
         if (items_.size() > count / kWorthBuilding) return false;
@@ -131,21 +132,15 @@ private:
         for (std::size_t i = 0; i < sizeof item; i += 64) _mm_prefetch(bytes + i, _MM_HINT_T0);
     }
 
-    /// What mark() and edit() will look at: each step waits for memory only once the next ones have asked.
+    /// What mark() will look at: each waits for memory only once the next ones have asked.
     void prefetchAhead(std::span<const PrimitiveId> moved, std::size_t i) const {
         constexpr std::size_t kStep = 12;
         const auto placeOf = [&](std::size_t at) -> const std::uint32_t& {
             return tree_.leafOf[static_cast<std::uint32_t>(moved[at])];
         };
-        if (i + 3 * kStep < moved.size()) lines(placeOf(i + 3 * kStep));
-        for (const std::size_t at : {i + 2 * kStep, i + kStep}) {
-            if (at >= moved.size() || placeOf(at) == Tree::kNoLeaf) continue;
-            const Node& node = tree_.nodes[placeOf(at) / kLanes];
-            if (at > i + kStep)
-                lines(node);
-            else
-                prefetch(node.child[placeOf(at) % kLanes]);
-        }
+        if (i + 2 * kStep < moved.size()) lines(placeOf(i + 2 * kStep));
+        if (i + kStep < moved.size() && placeOf(i + kStep) != Tree::kNoLeaf)
+            lines(tree_.nodes[placeOf(i + kStep) / kLanes].links);
     }
 
     void prefetch(std::uint32_t reference) const {
@@ -165,13 +160,36 @@ private:
         }
     }
 
-    /// What edit() will look at below the first child in `marks`.
-    void prefetchBelow(std::uint32_t index, std::uint32_t marks) const {
-        if (!marks) return;
-        const std::uint32_t child = tree_.nodes[index].child[__builtin_ctz(marks)];
-        if (child & kLeaf) return;
-        const Node& next = tree_.nodes[child];
-        for (unsigned m = next.links.marks; m; m &= m - 1) prefetch(next.child[__builtin_ctz(m)]);
+    /// The leaves that edit() will come to, in its order.
+    void listLeaves(std::uint32_t index) {
+        const Node& node = tree_.nodes[index];
+        for (unsigned m = node.links.marks; m; m &= m - 1) {
+            const std::uint32_t child = node.child[__builtin_ctz(m)];
+            if (child & kLeaf)
+                ahead_.push_back({index, child, kEmptyChild});
+            else
+                listLeaves(child);
+        }
+    }
+
+    /// Asks memory for what edit() will look at: first the node, then the leaf, then what moved in it.
+    void lookAhead() {
+        constexpr std::size_t kStep = 2;
+        const std::size_t at = next_++;
+        const auto& triangles = primitives_.triangles;
+        if (at + 4 * kStep < ahead_.size()) lines(tree_.nodes[ahead_[at + 4 * kStep].node]);
+        if (at + 3 * kStep < ahead_.size()) prefetch(ahead_[at + 3 * kStep].leaf);
+        if (at + 2 * kStep < ahead_.size()) {
+            Ahead& leaf = ahead_[at + 2 * kStep];
+            members_.clear();
+            if (isTriangles(leaf.leaf)) idsOfLeaf(tree_, leaf.leaf, members_);
+            for (const std::uint32_t id : members_)
+                if (moved(id)) leaf.moved = indexInKind(primitives_, id);
+            if (leaf.moved != kEmptyChild) lines(triangles.indices[leaf.moved]);
+        }
+        if (at + kStep < ahead_.size() && ahead_[at + kStep].moved != kEmptyChild)
+            for (const std::uint32_t c : triangles.indices[ahead_[at + kStep].moved])
+                lines(triangles.positions[c]);
     }
 
     // ---- 1. what moved stays or leaves ---------------------------------------------------------------
@@ -187,8 +205,6 @@ private:
         const Box before = boxOf(tree_.nodes[index]);
         const std::uint32_t marks = tree_.nodes[index].links.marks;
         tree_.nodes[index].links.marks = 0;
-        for (unsigned m = marks; m; m &= m - 1)
-            prefetch(tree_.nodes[index].child[__builtin_ctz(m)]);
         unsigned movedSlots = 0;
         Edited result;
         Share change;
@@ -199,7 +215,6 @@ private:
                 result.allMoved = false;
                 continue;
             }
-            prefetchBelow(index, marks & ~((2u << slot) - 1));
             const Box boxBefore = boxOf(tree_.nodes[index], slot);
             change -= shareOf(child, boxBefore);
             const Edited edited = child & kLeaf ? editLeaf(child, boxBefore) : edit(child);
@@ -244,16 +259,11 @@ private:
             const std::uint32_t leaf = node.child[slot];
             if (leaf == kEmptyChild || !(leaf & kLeaf) || !isTriangles(leaf)) continue;
             const Box box = boxOf(node, slot);
-            alignas(16) float joined[kLanes], growth[kLanes];
-            measureJoined(node, box, joined, growth);
-            int best = -1;
-            for (int s = 0; s < kLanes; ++s) {
-                const std::uint32_t other = node.child[s];
-                if (s == slot || other == kEmptyChild || !(other & kLeaf) || !isTriangles(other))
-                    continue;
-                if (best < 0 || growth[s] < growth[best]) best = s;
-            }
-            if (best < 0 || !(growth[best] < kMerged * box.area())) continue;
+            const Joined joined(node, box);
+            const int best = leastOf(joined.growth, joined.leaves & ~(1u << slot));
+            if (best < 0 || !isTriangles(node.child[best]) ||
+                !(joined.growth[best] < kMerged * box.area()))
+                continue;
             const std::uint32_t other = node.child[best];
             if (sizeOfLeaf(tree_, leaf) + sizeOfLeaf(tree_, other) > kLanes) continue;
             merge(index, best, slot, change);
@@ -375,6 +385,7 @@ private:
     }
 
     Edited editLeaf(std::uint32_t leaf, const Box& before) {
+        lookAhead();
         Edited result;
         if ((leaf >> kLeafKindShift & 7) == kSharedLeaf &&
             moveCorners(tree_.shared[leaf & kLeafIndex], before, result.box)) {
@@ -631,12 +642,14 @@ private:
             Node& above = tree_.nodes[links.parent];
             const auto at = static_cast<int>(links.slot);
             const Box old = boxOf(above, at);
-            Box grown = old;
-            grown.add(item.box);
-            change.cost += kNodeCost * (grown.area() - old.area());
+            if (!old.holds(item.box)) {
+                Box grown = old;
+                grown.add(item.box);
+                change.cost += kNodeCost * (grown.area() - old.area());
+                setBox(above, at, grown);
+            }
             links.cost += change.cost;
             links.height = std::max(links.height, heightOf(entered) + 1);
-            setBox(above, at, grown);
             entered = index;
             index = links.parent;
         }
@@ -677,29 +690,64 @@ private:
         return item.child == kEmptyChild ? writeLeaf(&item.primitive, 1) : item.child;
     }
 
-    static void measureJoined(const Node& node, const Box& box, float (&joined)[kLanes],
-                              float (&growth)[kLanes]) {
-        const auto half = [](const __m128(&d)[3]) {
-            return _mm_add_ps(_mm_mul_ps(d[0], _mm_add_ps(d[1], d[2])), _mm_mul_ps(d[1], d[2]));
-        };
-        const __m128 lower[3] = {_mm_shuffle_ps(box.lower, box.lower, 0x00),
-                                 _mm_shuffle_ps(box.lower, box.lower, 0x55),
-                                 _mm_shuffle_ps(box.lower, box.lower, 0xAA)};
-        const __m128 upper[3] = {_mm_shuffle_ps(box.upper, box.upper, 0x00),
-                                 _mm_shuffle_ps(box.upper, box.upper, 0x55),
-                                 _mm_shuffle_ps(box.upper, box.upper, 0xAA)};
-        for (int s = 0; s < kLanes; s += 4) {
-            __m128 own[3], both[3];
-            for (int a = 0; a < 3; ++a) {
-                const __m128 low = _mm_load_ps(node.planes[2 * a] + s),
-                             high = _mm_load_ps(node.planes[2 * a + 1] + s);
-                own[a] = _mm_sub_ps(high, low);
-                both[a] = _mm_sub_ps(_mm_max_ps(high, upper[a]), _mm_min_ps(low, lower[a]));
+    /// A node's children if something joined them.
+    struct Joined {
+        alignas(16) float area[kLanes], growth[kLanes];
+        unsigned empty, leaves, nodes; // bit per slot
+
+        Joined(const Node& node, const Box& box) {
+            const auto half = [](const __m128(&d)[3]) {
+                return _mm_add_ps(_mm_mul_ps(d[0], _mm_add_ps(d[1], d[2])), _mm_mul_ps(d[1], d[2]));
+            };
+            const __m128 lower[3] = {_mm_shuffle_ps(box.lower, box.lower, 0x00),
+                                     _mm_shuffle_ps(box.lower, box.lower, 0x55),
+                                     _mm_shuffle_ps(box.lower, box.lower, 0xAA)};
+            const __m128 upper[3] = {_mm_shuffle_ps(box.upper, box.upper, 0x00),
+                                     _mm_shuffle_ps(box.upper, box.upper, 0x55),
+                                     _mm_shuffle_ps(box.upper, box.upper, 0xAA)};
+            empty = nodes = 0;
+            for (int s = 0; s < kLanes; s += 4) {
+                __m128 own[3], both[3];
+                for (int a = 0; a < 3; ++a) {
+                    const __m128 low = _mm_load_ps(node.planes[2 * a] + s),
+                                 high = _mm_load_ps(node.planes[2 * a + 1] + s);
+                    own[a] = _mm_sub_ps(high, low);
+                    both[a] = _mm_sub_ps(_mm_max_ps(high, upper[a]), _mm_min_ps(low, lower[a]));
+                }
+                const __m128 joined = half(both);
+                _mm_store_ps(area + s, joined);
+                _mm_store_ps(growth + s, _mm_sub_ps(joined, half(own)));
+                const __m128i child =
+                    _mm_load_si128(reinterpret_cast<const __m128i*>(node.child + s));
+                const auto bits = [s](__m128i v) {
+                    return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(v))) << s;
+                };
+                empty |= bits(_mm_cmpeq_epi32(child, _mm_set1_epi32(-1)));
+                nodes |= bits(child); // where the top bit is set, for now
             }
-            const __m128 area = half(both);
-            _mm_store_ps(joined + s, area);
-            _mm_store_ps(growth + s, _mm_sub_ps(area, half(own)));
+            leaves = nodes & ~empty;
+            nodes = ~nodes & 0xFF;
         }
+    };
+
+    /// The first of the slots where the value is least; -1 if there are none. Without branches, which
+    /// nobody could foresee.
+    static int leastOf(const float (&value)[kLanes], unsigned slots) {
+        if (!slots) return -1;
+        const __m128i bit = _mm_setr_epi32(1, 2, 4, 8), high = _mm_slli_epi32(bit, 4);
+        const __m128i all = _mm_set1_epi32(static_cast<int>(slots));
+        const __m128 infinity = _mm_set1_ps(kInfinityF32);
+        const auto chosen = [&](const float* from, __m128i of) {
+            const __m128 in = _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(all, of), of));
+            return _mm_or_ps(_mm_and_ps(in, _mm_load_ps(from)), _mm_andnot_ps(in, infinity));
+        };
+        const __m128 a = chosen(value, bit), b = chosen(value + 4, high);
+        __m128 least = _mm_min_ps(a, b);
+        least = _mm_min_ps(least, _mm_shuffle_ps(least, least, _MM_SHUFFLE(1, 0, 3, 2)));
+        least = _mm_min_ps(least, _mm_shuffle_ps(least, least, _MM_SHUFFLE(2, 3, 0, 1)));
+        const int found =
+            _mm_movemask_ps(_mm_cmpeq_ps(a, least)) | _mm_movemask_ps(_mm_cmpeq_ps(b, least)) << 4;
+        return __builtin_ctz(static_cast<unsigned>(found) & slots);
     }
 
     Place placeFor(const Item& item) {
@@ -710,26 +758,23 @@ private:
         float inherited = 0; // what the nodes on the way grow by
         for (std::uint32_t index = 0;;) {
             const Node& node = tree_.nodes[index];
-            alignas(16) float joined[kLanes], growth[kLanes]; // areas, with the item
-            measureJoined(node, item.box, joined, growth);
-            int down = -1, leaf = -1;
-            for (int s = 0; s < kLanes; ++s) {
-                const std::uint32_t child = node.child[s];
-                if (child == kEmptyChild) {
-                    best.offer(Place::slot, index, s, inherited + own);
-                    continue;
-                }
-                best.offer(Place::pair, index, s, inherited + own + kNodeCost * joined[s]);
-                int& least = child & kLeaf ? leaf : down;
-                if (least < 0 || growth[s] < growth[least]) least = s;
-            }
+            const Joined joined(node, item.box);
+            const int down = leastOf(joined.growth, joined.nodes),
+                      leaf = leastOf(joined.growth, joined.leaves);
+            if (down >= 0) prefetch(node.child[down]);
+            const int beside = leastOf(joined.area, joined.nodes | joined.leaves);
+            if (joined.empty)
+                best.offer(Place::slot, index, freeSlotFor(node, item.box), inherited + own);
+            else
+                best.offer(Place::pair, index, beside,
+                           inherited + own + kNodeCost * joined.area[beside]);
             if (single && leaf >= 0) {
-                const float cost = inherited + kBlockCost * growth[leaf];
+                const float cost = inherited + kBlockCost * joined.growth[leaf];
                 if (cost <= best.cost && fits(node.child[leaf], item))
                     best.offer(Place::join, index, leaf, cost);
             }
             if (down < 0) return best;
-            inherited += kNodeCost * growth[down];
+            inherited += kNodeCost * joined.growth[down];
             if (inherited > best.cost) return best;
             index = node.child[down];
         }
@@ -816,12 +861,15 @@ private:
             return perPrimitive(a) > perPrimitive(b);
         });
         const float excess = state_.costAfter > 0 ? state_.costBefore / state_.costAfter - 1 : 0;
-        const float upkeep = std::clamp(excess / kAllowed, kLeastUpkeep, kMostUpkeep);
+        const float worn = excess / kAllowed;
+        const float upkeep = std::clamp(worn * worn, kLeastUpkeep, kMostUpkeep);
+        const bool isFelt = excessOf(0) > kFelt * tree_.nodes[0].links.cost;
         std::uint64_t built = 0;
         for (const std::uint32_t node : drifted.few) {
             const float drift = excessOf(node) / freshCost(node);
-            if (!(static_cast<float>(built) < static_cast<float>(singles_) * upkeep +
-                                                  static_cast<float>(moved) * drift * drift))
+            if (!(static_cast<float>(built) <
+                  static_cast<float>(singles_) * upkeep +
+                      (isFelt ? static_cast<float>(moved) * drift * drift : 0)))
                 break;
             built += tree_.nodes[node].links.count;
             if (!rebuild(node)) return false;
@@ -895,6 +943,11 @@ private:
     FreePlaces places_;
     UpdateReport& report_;
     std::vector<std::uint64_t> isMoved_; // bit per id
+    struct Ahead {
+        std::uint32_t node, leaf, moved; // a triangle
+    };
+    std::vector<Ahead> ahead_;
+    std::size_t next_ = 0; // of ahead_
     std::vector<Item> items_;
     std::uint64_t singles_ = 0;
     std::vector<std::uint32_t> members_; // scratch
