@@ -2,6 +2,7 @@
 #include <tests/stability/cases.hpp>
 
 #include <core/image/metrics.hpp>
+#include <core/trace/tiles.hpp>
 #include <tests/trace/adaptive_scenes.hpp>
 
 #include <array>
@@ -14,7 +15,8 @@ using image::Framebuffer;
 using trace::Result;
 using trace::SceneMaker;
 
-void frame(SceneMaker& scene, std::uint32_t width) {
+/// `whole`: of a picture of the whole scene; a narrower one shows its middle.
+void frame(SceneMaker& scene, std::uint32_t width, double whole) {
     scene::Description& d = scene.description;
     d.image.width = width, d.image.height = width * 3 / 4;
     d.image.tone = scene::Tone::limit;
@@ -22,15 +24,14 @@ void frame(SceneMaker& scene, std::uint32_t width) {
     d.render.depth = 5;
     scene.look({0, -6, 2}, {0, 6, -1.5});
     d.camera.screenDistance = 1.1;
-    // Pixels of one size, however many.
-    d.camera.screenWidth *= width / 160.0, d.camera.screenHeight *= width / 160.0;
+    d.camera.screenWidth *= width / whole, d.camera.screenHeight *= width / whole;
     scene.light({-4, -6, 8}, {0.9, 0.9, 0.8});
     scene.light({5, -2, 5}, {0.3, 0.3, 0.5});
 }
 
-Result withGrid(SceneMaker& scene, std::uint32_t n) {
+Result withGrid(SceneMaker& scene, std::uint32_t n, const trace::Options& options = {}) {
     scene.description.render.antialias = scene::AntialiasGrid{n};
-    return scene.render();
+    return scene.render(options);
 }
 
 double rmseOf(const Framebuffer& a, const Framebuffer& b) { return image::difference(a, b).rmse; }
@@ -42,7 +43,7 @@ std::array<double, 2> costOf(const Result& result) {
             static_cast<double>(c.primary + c.reflected + c.refracted + c.shadow)};
 }
 
-/// The mean of two grids that share no point, with each other or with what is tested.
+/// The mean of two grids that share no point, with each other or with what is tested; tile by tile as fine as needed.
 struct Reference {
     Framebuffer frame;
     double halves; // how far the two are apart
@@ -50,17 +51,37 @@ struct Reference {
 
 Reference referenceOf(SceneMaker& scene, double precision) {
     constexpr std::uint32_t kFinest = 64;
-    for (std::uint32_t n = 12;;) { // even: no point in the middle of a pixel
-        Framebuffer mean = withGrid(scene, n).frame;
-        const Framebuffer other = withGrid(scene, n + 2).frame;
-        const double halves = rmseOf(mean, other);
-        for (std::size_t i = 0; i < mean.pixels.size(); ++i)
-            mean.pixels[i] = (mean.pixels[i] + other.pixels[i]) * 0.5;
-        if (halves <= precision || n >= kFinest) return {std::move(mean), halves};
-        // Edges fall by n^1.5 [Mitchell 1996]; a tenth more, so that two steps do.
-        const double wanted = 1.1 * n * std::pow(halves / precision, 2.0 / 3);
-        n = std::min(kFinest, static_cast<std::uint32_t>(wanted / 2 + 1) * 2);
+    const scene::Image& image = scene.description.image;
+    Reference reference{Framebuffer(image.width, image.height), 0};
+    const trace::Tiles tiles({0, 0, image.width, image.height});
+    double sum = 0;
+    for (std::size_t i = 0; i < tiles.count(); ++i) {
+        const trace::Region tile = tiles[i];
+        trace::Options options;
+        options.crop = {{tile.x0, tile.y0, tile.x1, tile.y1}};
+        for (std::uint32_t n = 12;;) { // even: no point in the middle of a pixel
+            const Framebuffer one = withGrid(scene, n, options).frame;
+            const Framebuffer other = withGrid(scene, n + 2, options).frame;
+            double squares = 0;
+            for (std::uint32_t y = tile.y0; y < tile.y1; ++y)
+                for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+                    const auto &a = one.at(x, y), &b = other.at(x, y);
+                    reference.frame.at(x, y) = (a + b) * 0.5;
+                    const double r = a.r - b.r, g = a.g - b.g, u = a.b - b.b;
+                    squares += (r * r + g * g + u * u) / 3;
+                }
+            const double halves = std::sqrt(squares / tile.width() / tile.height());
+            if (halves <= precision || n >= kFinest) {
+                sum += squares;
+                break;
+            }
+            // Edges fall by n^1.5 [Mitchell 1996]; a tenth more, so that two steps do.
+            const double wanted = 1.1 * n * std::pow(halves / precision, 2.0 / 3);
+            n = std::min(kFinest, static_cast<std::uint32_t>(wanted / 2 + 1) * 2);
+        }
     }
+    reference.halves = std::sqrt(sum / image.width / image.height);
+    return reference;
 }
 
 double median(std::vector<double> values) {
@@ -84,7 +105,7 @@ void adaptiveSampling(const Load& load, Table& table) {
     std::vector<double> samples, rays; // of the grid's, by pair
     for (const trace::NamedScene& named : trace::scenesThatAreHardToSample()) {
         SceneMaker scene;
-        frame(scene, load.width(64, 160));
+        frame(scene, load.width(64, 320), load.full ? 320 : 160);
         named.make(scene);
         const double precision = asked.back().error / 4;
         // A continuous build makes do with the first two grids.
