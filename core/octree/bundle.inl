@@ -44,14 +44,16 @@ struct alignas(64) Bundle {
     // as Best; t of an occlusion query is the last that counts
     double t[kRays], u[kRays], v[kRays];
     std::uint32_t id[kRays], exclude[kRays];
-    unsigned found;   // bit per ray
+    unsigned found;   // bit per ray: it met something; of a crossing query: something opaque
     unsigned active;  // bit per ray that may still meet a box
     bool excludes;    // any ray excludes a primitive
     bool boxesAreMet; // any ray may meet any box
     int kx, ky, kz;
     unsigned mirror;
     BundleBoxes boxes;
-    // for the f32 filter: octree space, relative to `reference`, axes as kx, ky, kz
+    CrossingSink* sink;  // of a crossing query
+    std::uint32_t first; // number of the first ray there
+    // for the f32 filter, where there are triangles: octree space, relative to `reference`, axes as kx, ky, kz
     float filterX[kRays], filterY[kRays], filterZ[kRays], filterShearX[kRays], filterShearY[kRays];
     double reference[3]; // [axis]
     float filterError;   // of a sheared coordinate
@@ -167,10 +169,7 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     Wide reach = allWide(0);
     double reference = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        F64 enter[2], leave[2], low[2], high[2], relative[2];
-        const double first = moved[axis][0];
-        b.reference[axis] = first;
-        if (absolute(first) > reference) reference = absolute(first);
+        F64 enter[2], leave[2], low[2], high[2];
         for (int g = 0; g < 2; ++g) {
             const int at = g * kLanes;
             const F64 o = load(moved[axis] + at), r = load(inverse[axis] + at);
@@ -181,7 +180,6 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             const F64 wider = all(kBundleSlack) * size + more;
             low[g] = o - wider;
             high[g] = o + wider;
-            relative[g] = o - all(first);
         }
         const Wide inverses = narrow(load(inverse[axis]), load(inverse[axis] + kLanes));
         store(b.inverse[axis], inverses);
@@ -195,10 +193,16 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         b.boxes.low[axis] = all(smallestOf(inverses));
         b.boxes.high[axis] = all(largestOf(inverses));
         b.boxes.near[axis] = kRow * (2 * static_cast<unsigned>(axis) + negative);
-        const Wide offset = narrow(relative[0], relative[1]);
+        if (!tree.hasTriangles) continue;
+        const double first = moved[axis][0];
+        b.reference[axis] = first;
+        if (absolute(first) > reference) reference = absolute(first);
+        const Wide offset =
+            narrow(load(moved[axis]) - all(first), load(moved[axis] + kLanes) - all(first));
         store(axis == b.kx ? b.filterX : axis == b.ky ? b.filterY : b.filterZ, offset);
         reach = larger(reach, magnitude(offset));
     }
+    if (!tree.hasTriangles) return true;
     store(b.filterShearX, narrow(load(b.shearX), load(b.shearX + kLanes)));
     store(b.filterShearY, narrow(load(b.shearY), load(b.shearY + kLanes)));
     b.filterError = tree.scale < kFilterLargestScale
@@ -257,14 +261,19 @@ inline unsigned meetChild(const Node& node, unsigned slot, const Bundle& b) {
         smallerBits(smallerBits(leave(0), leave(1)), smallerBits(leave(2), loadWide(b.limit))));
 }
 
-/// Takes over what 8 rays found in one primitive; returns the rays for which it is better (kAny: a hit).
-template <bool kAny, bool kPlanar>
+enum class Query { closest, any, crossings };
+
+/// Do rays leave the bundle when they have found something?
+constexpr bool ends(Query query) { return query != Query::closest; }
+
+/// Takes over what 8 rays found in one primitive; returns the rays for which it is better, or that end.
+template <Query kQuery, bool kPlanar>
 inline unsigned take(Bundle& b, int at, Mask met, F64 t, F64 u, F64 v, std::uint32_t id) {
     const F64 best = load(b.t + at);
     unsigned lanes = bits(both(met, both(t > all(0.0), t <= best)));
     if (!lanes) return 0;
     if (kPlanar && b.excludes) lanes &= ~bitsEqual(b.exclude + at, id);
-    if (kAny) return lanes << at;
+    if (kQuery == Query::any) return lanes << at;
     unsigned better = bits(t < best) & lanes;
     for (unsigned equal = lanes & ~better; equal; equal &= equal - 1) {
         const int i = __builtin_ctz(equal);
@@ -277,6 +286,25 @@ inline unsigned take(Bundle& b, int at, Mask met, F64 t, F64 u, F64 v, std::uint
     storeWhere(better, b.id + at, id);
     b.found |= better << at;
     return better << at;
+}
+
+/// Adds what 8 rays cross at t; returns those that end there.
+template <bool kPlanar>
+inline unsigned cross(Bundle& b, int at, Mask met, Mask touches, F64 t, std::uint32_t id) {
+    unsigned lanes =
+        bits(both(met, both(t > all(0.0), t <= load(b.t + at)))) & b.active >> at & 0xFF;
+    if (kPlanar && b.excludes) lanes &= ~bitsEqual(b.exclude + at, id);
+    if (!lanes) return 0;
+    if (b.sink->isOpaque(*b.sink, id)) return lanes << at;
+    const unsigned touched = kPlanar ? bits(touches) : 0;
+    LaneArray ts;
+    store(ts.at, t);
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const std::uint32_t ray = b.first + static_cast<unsigned>(at + i);
+        touched >> i & 1 ? b.sink->touch(*b.sink, ray, id) : add(*b.sink, ray, ts.at[i], id);
+    }
+    return 0;
 }
 
 /// What 8 rays of a bundle need for a planar test.
@@ -352,17 +380,19 @@ inline void note(Candidates& c, int triangle, unsigned rays) {
 }
 
 /// One triangle against 8 rays: geometry::intersectTriangle.
-template <bool kAny>
+template <Query kQuery>
 inline unsigned testTriangle(Bundle& b, const EightRays& rays, int at, const Sheared& p,
                              const Sheared& q, const Sheared& r, std::uint32_t id) {
     const Edges e = edgesOf(p, q, r);
     const Mask in = inside(e);
     if (!bits(in)) return 0;
     const Solution s = solve(rays.shearZ, e, p, q, r);
-    return take<kAny, true>(b, at, both(in, s.exists), s.t, s.b, s.c, id);
+    if (kQuery == Query::crossings)
+        return cross<true>(b, at, both(in, s.exists), touching(e), s.t, id);
+    return take<kQuery, true>(b, at, both(in, s.exists), s.t, s.b, s.c, id);
 }
 
-template <bool kAny, class Block>
+template <Query kQuery, class Block>
 [[gnu::noinline]] unsigned bundleInShared(const TreeView& tree, const Block& block, Bundle& b,
                                           unsigned active) {
     alignas(64) float x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
@@ -392,17 +422,17 @@ template <bool kAny, class Block>
         const EightRays rays = eightOf(b, at);
         for (unsigned triangles = c.triangles[g]; triangles; triangles &= triangles - 1) {
             const int i = __builtin_ctz(triangles);
-            if (kAny && !(c.rays[i] & 0xFFu << at & ~result)) continue;
+            if (ends(kQuery) && !(c.rays[i] & 0xFFu << at & ~result)) continue;
             const int p = block.index[0][i], q = block.index[1][i], r = block.index[2][i];
-            result |= testTriangle<kAny>(b, rays, at, shear(rays, cx[p], cy[p], cz[p]),
-                                         shear(rays, cx[q], cy[q], cz[q]),
-                                         shear(rays, cx[r], cy[r], cz[r]), ids[i]);
+            result |= testTriangle<kQuery>(b, rays, at, shear(rays, cx[p], cy[p], cz[p]),
+                                           shear(rays, cx[q], cy[q], cz[q]),
+                                           shear(rays, cx[r], cy[r], cz[r]), ids[i]);
         }
     }
     return result;
 }
 
-template <bool kAny, class Block>
+template <Query kQuery, class Block>
 [[gnu::noinline]] unsigned bundleInTriangles(const TreeView& tree, const Block& block, Bundle& b,
                                              unsigned active) {
     constexpr int kCorners = 3 * kLanes;
@@ -436,18 +466,19 @@ template <bool kAny, class Block>
         const EightRays rays = eightOf(b, at);
         for (unsigned triangles = c.triangles[g]; triangles; triangles &= triangles - 1) {
             const int i = __builtin_ctz(triangles);
-            if (kAny && !(c.rays[i] & 0xFFu << at & ~result)) continue;
+            if (ends(kQuery) && !(c.rays[i] & 0xFFu << at & ~result)) continue;
             const auto corner = [&](int k) {
                 return shear(rays, block.corner[k][b.kx][i], block.corner[k][b.ky][i],
                              block.corner[k][b.kz][i]);
             };
-            result |= testTriangle<kAny>(b, rays, at, corner(0), corner(1), corner(2), block.id[i]);
+            result |=
+                testTriangle<kQuery>(b, rays, at, corner(0), corner(1), corner(2), block.id[i]);
         }
     }
     return result;
 }
 
-template <bool kAny>
+template <Query kQuery>
 [[gnu::noinline]] unsigned bundleInParallelograms(const ParallelogramBlock& block, Bundle& b,
                                                   unsigned active) {
     const unsigned count = lanesInUse(block.id);
@@ -467,15 +498,21 @@ template <bool kAny>
             const Solution s1 = solve(rays.shearZ, e1, p, q, r),
                            s2 = solve(rays.shearZ, e2, p, r, s);
             const Mask first = both(in1, s1.exists), second = both(in2, s2.exists);
-            result |= take<kAny, true>(b, at, either(first, second), select(first, s1.t, s2.t),
-                                       select(first, s1.b + s1.c, s2.b),
-                                       select(first, s1.c, s2.b + s2.c), block.id[i]);
+            const F64 hit = select(first, s1.t, s2.t);
+            if (kQuery == Query::crossings)
+                result |= cross<true>(b, at, either(first, second),
+                                      either(both(in1, touching(e1)), both(in2, touching(e2))), hit,
+                                      block.id[i]);
+            else
+                result |= take<kQuery, true>(b, at, either(first, second), hit,
+                                             select(first, s1.b + s1.c, s2.b),
+                                             select(first, s1.c, s2.b + s2.c), block.id[i]);
         }
     }
     return result;
 }
 
-template <bool kAny>
+template <Query kQuery>
 [[gnu::noinline]] unsigned bundleInSpheres(const SphereBlock& block, Bundle& b, unsigned active) {
     const unsigned count = lanesInUse(block.id);
     unsigned result = 0;
@@ -496,8 +533,12 @@ template <bool kAny>
             const F64 q = select(s.b < all(0.0), s.b - root, s.b + root);
             const F64 ta = s.c / q, tb = q * inverseSquared;
             const F64 t0 = smaller(ta, tb), t1 = larger(ta, tb);
-            result |= take<kAny, false>(b, at, s.met, select(t0 > all(0.0), t0, t1), all(0.0),
-                                        all(0.0), block.id[i]);
+            if (kQuery == Query::crossings)
+                result |= cross<false>(b, at, s.met, s.met, t0, block.id[i]) |
+                          cross<false>(b, at, s.met, s.met, t1, block.id[i]);
+            else
+                result |= take<kQuery, false>(b, at, s.met, select(t0 > all(0.0), t0, t1), all(0.0),
+                                              all(0.0), block.id[i]);
         }
     }
     return result;
@@ -546,11 +587,16 @@ inline unsigned take(Bundle& b, int i, const Best& best) {
 }
 
 /// One ray of the bundle alone below a reference.
-template <bool kCount, bool kAny>
+template <bool kCount, Query kQuery>
 [[gnu::noinline]] unsigned aloneFrom(const TreeView& tree, std::uint32_t reference, const Ray& ray,
-                                     const Order& order, Bundle& b, int i, Visits* visits) {
+                                     const Order& order, Bundle& b, unsigned i, Visits* visits) {
     const Frame f = frameAt(b, ray, i);
-    if (kAny)
+    if (kQuery == Query::crossings)
+        return static_cast<unsigned>(!crossFrom<kCount>(tree, reference, lanesAt(tree, b, i),
+                                                        b.limit[i], f, b.exclude[i], b.t[i],
+                                                        {*b.sink, b.first + i}, visits))
+               << i;
+    if (kQuery == Query::any)
         return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i),
                                                      b.limit[i], f, b.exclude[i], b.t[i], visits))
                << i;
@@ -560,7 +606,7 @@ template <bool kCount, bool kAny>
     return take(b, i, best);
 }
 
-template <bool kCount, bool kAny>
+template <bool kCount, Query kQuery>
 [[gnu::noinline]] unsigned aloneInRecord(const TreeView& tree, const LeafRecord& leaf,
                                          const Ray* rays, Bundle& b, unsigned active,
                                          Visits* visits) {
@@ -568,7 +614,13 @@ template <bool kCount, bool kAny>
     for (; active; active &= active - 1) {
         const int i = __builtin_ctz(active);
         const Frame f = frameAt(b, rays[i], i);
-        if (kAny) {
+        if (kQuery == Query::crossings) {
+            result |= static_cast<unsigned>(!crossRecord<kCount>(
+                          tree, leaf, f, b.exclude[i], b.t[i], {*b.sink, b.first + i}, visits))
+                      << i;
+            continue;
+        }
+        if (kQuery == Query::any) {
             result |= static_cast<unsigned>(
                           anyInRecord<kCount>(tree, leaf, rays[i], f, b.exclude[i], b.t[i], visits))
                       << i;
@@ -581,29 +633,29 @@ template <bool kCount, bool kAny>
     return result;
 }
 
-template <bool kCount, bool kAny>
+template <bool kCount, Query kQuery>
 inline unsigned bundleInLeaf(const TreeView& tree, std::uint32_t reference, const Ray* rays,
                              Bundle& b, unsigned active, Visits* visits) {
     const std::uint32_t index = reference & kLeafIndex;
     switch (reference >> kLeafKindShift & 7) {
     case kSharedLeaf:
         if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
-        return bundleInShared<kAny>(tree, tree.shared[index], b, active);
+        return bundleInShared<kQuery>(tree, tree.shared[index], b, active);
     case kNarrowSharedLeaf:
         if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
-        return bundleInShared<kAny>(tree, tree.narrowShared[index], b, active);
+        return bundleInShared<kQuery>(tree, tree.narrowShared[index], b, active);
     case kNarrowTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.narrowTriangles[index].id);
-        return bundleInTriangles<kAny>(tree, tree.narrowTriangles[index], b, active);
+        return bundleInTriangles<kQuery>(tree, tree.narrowTriangles[index], b, active);
     case kTriangleLeaf:
         if (kCount) visits->triangles += lanesInUse(tree.triangles[index].id);
-        return bundleInTriangles<kAny>(tree, tree.triangles[index], b, active);
+        return bundleInTriangles<kQuery>(tree, tree.triangles[index], b, active);
     case kSphereLeaf:
         if (kCount) visits->spheres += lanesInUse(tree.spheres[index].id);
-        return bundleInSpheres<kAny>(tree.spheres[index], b, active);
+        return bundleInSpheres<kQuery>(tree.spheres[index], b, active);
     case kParallelogramLeaf:
         if (kCount) visits->parallelograms += lanesInUse(tree.parallelograms[index].id);
-        return bundleInParallelograms<kAny>(tree.parallelograms[index], b, active);
+        return bundleInParallelograms<kQuery>(tree.parallelograms[index], b, active);
     default:
         break;
     }
@@ -612,35 +664,35 @@ inline unsigned bundleInLeaf(const TreeView& tree, std::uint32_t reference, cons
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i) {
         const TriangleBlock& block = tree.triangles[leaf.triangles + i];
         if (kCount) visits->triangles += lanesInUse(block.id);
-        result |= bundleInTriangles<kAny>(tree, block, b, active);
+        result |= bundleInTriangles<kQuery>(tree, block, b, active);
     }
     for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i) {
         const SphereBlock& block = tree.spheres[leaf.spheres + i];
         if (kCount) visits->spheres += lanesInUse(block.id);
-        result |= bundleInSpheres<kAny>(block, b, active);
+        result |= bundleInSpheres<kQuery>(block, b, active);
     }
     for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i) {
         const ParallelogramBlock& block = tree.parallelograms[leaf.parallelograms + i];
         if (kCount) visits->parallelograms += lanesInUse(block.id);
-        result |= bundleInParallelograms<kAny>(block, b, active);
+        result |= bundleInParallelograms<kQuery>(block, b, active);
     }
     if (leaf.runCount) {
         const LeafRecord customs{0, 0, 0, 0, 0, 0, leaf.runs, leaf.runCount};
-        result |= aloneInRecord<kCount, kAny>(tree, customs, rays, b,
-                                              kAny ? active & ~result : active, visits);
+        result |= aloneInRecord<kCount, kQuery>(tree, customs, rays, b,
+                                                ends(kQuery) ? active & ~result : active, visits);
     }
     return result;
 }
 
 /// Answers in b.t, b.u, b.v, b.id and b.found.
-template <bool kCount, bool kAny>
+template <bool kCount, Query kQuery>
 inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle& b,
                   Visits* visits) {
     const unsigned valid = 0xFFFFu >> (kRays - count);
     if (tree.hasUnbounded) {
         const unsigned result =
-            aloneInRecord<kCount, kAny>(tree, tree.unbounded, rays, b, valid, visits);
-        if (kAny) {
+            aloneInRecord<kCount, kQuery>(tree, tree.unbounded, rays, b, valid, visits);
+        if (ends(kQuery)) {
             b.found |= result;
             b.active &= ~result;
             for (unsigned r = result; r; r &= r - 1) b.cap[__builtin_ctz(r)] = -1;
@@ -686,14 +738,14 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         }
         unsigned result = 0;
         if (rayCount > kFewInLeaf)
-            result = bundleInLeaf<kCount, kAny>(tree, reference, rays, b, met, visits);
+            result = bundleInLeaf<kCount, kQuery>(tree, reference, rays, b, met, visits);
         else
             for (; met; met &= met - 1) {
                 const int i = __builtin_ctz(met);
-                result |= aloneFrom<kCount, kAny>(tree, reference, rays[i], order, b, i, visits);
+                result |= aloneFrom<kCount, kQuery>(tree, reference, rays[i], order, b, i, visits);
             }
         if (!result) continue;
-        if (kAny) {
+        if (ends(kQuery)) {
             b.found |= result;
             b.active &= ~result;
             if (!b.active) return;
@@ -720,13 +772,13 @@ inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t co
     Bundle b;
     for (std::size_t first = 0; first < count; first += kRays) {
         const auto n = static_cast<unsigned>(count - first < kRays ? count - first : kRays);
-        const Ray* const batch = sixteen(rays + first, n, padded);
+        const Ray* const batch = n < kWorthBundle ? rays + first : sixteen(rays + first, n, padded);
         Hit* const to = hits + first;
         if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
             for (unsigned i = 0; i < n; ++i) closestImpl<kCount>(tree, batch[i], to + i, visits);
             continue;
         }
-        trace<kCount, false>(tree, batch, n, b, visits);
+        trace<kCount, Query::closest>(tree, batch, n, b, visits);
         for (int g = 0; g < 2; ++g) {
             double* const t = b.t + g * kLanes;
             store(t, select(maskOf(b.found >> (g * kLanes) & 0xFF), load(t), all(__builtin_inf())));
@@ -748,14 +800,36 @@ inline void occludedBundles(const TreeView& tree, const Ray* rays, std::size_t c
     Bundle b;
     for (std::size_t first = 0; first < count; first += kRays) {
         const auto n = static_cast<unsigned>(count - first < kRays ? count - first : kRays);
-        const Ray* const batch = sixteen(rays + first, n, padded);
+        const Ray* const batch = n < kWorthBundle ? rays + first : sixteen(rays + first, n, padded);
         std::uint8_t* const to = answers + first;
         if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
             for (unsigned i = 0; i < n; ++i) to[i] = occludedImpl<kCount>(tree, batch[i], visits);
             continue;
         }
         for (unsigned i = 0; i < n; ++i) b.t[i] = below(b.t[i]);
-        trace<kCount, true>(tree, batch, n, b, visits);
+        trace<kCount, Query::any>(tree, batch, n, b, visits);
+        for (unsigned i = 0; i < n; ++i) to[i] = b.found >> i & 1;
+    }
+}
+
+template <bool kCount>
+inline void crossBundles(const TreeView& tree, const Ray* rays, std::size_t count,
+                         CrossingSink& sink, std::uint8_t* ended, Visits* visits) {
+    alignas(64) unsigned char padded[kRays * sizeof(Ray)];
+    Bundle b;
+    b.sink = &sink;
+    for (std::size_t first = 0; first < count; first += kRays) {
+        const auto n = static_cast<unsigned>(count - first < kRays ? count - first : kRays);
+        const Ray* const batch = n < kWorthBundle ? rays + first : sixteen(rays + first, n, padded);
+        std::uint8_t* const to = ended + first;
+        b.first = static_cast<std::uint32_t>(first);
+        if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
+            for (unsigned i = 0; i < n; ++i)
+                to[i] = !crossingsImpl<kCount>(tree, batch[i], {sink, b.first + i}, visits);
+            continue;
+        }
+        for (unsigned i = 0; i < n; ++i) b.t[i] = below(b.t[i]);
+        trace<kCount, Query::crossings>(tree, batch, n, b, visits);
         for (unsigned i = 0; i < n; ++i) to[i] = b.found >> i & 1;
     }
 }

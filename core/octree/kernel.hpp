@@ -7,13 +7,19 @@
 namespace rt::octree {
 
 struct Visits;
+struct Found;
 
-/// Where a crossing query puts what it finds. Both return false to stop the query.
+/// Where crossing queries put what they find; rays are numbers in the batch.
 struct CrossingSink {
-    void* context;
-    bool (*add)(void* context, double t, std::uint32_t id);
-    bool (*touch)(void* context, std::uint32_t id); // the line touches an edge: decide exactly
-    bool (*custom)(void* context, const CustomRun& run);
+    Found* found;
+    std::size_t count, room;
+    void (*grow)(CrossingSink&); // makes room for one more at least
+    /// Ends the ray.
+    bool (*isOpaque)(const CrossingSink&, std::uint32_t id);
+    /// Of a ray whose line touches an edge: decides exactly.
+    void (*touch)(CrossingSink&, std::uint32_t ray, std::uint32_t id);
+    /// Returns false to end the ray.
+    bool (*custom)(CrossingSink&, std::uint32_t ray, const CustomRun& run);
 };
 
 /// How many of each a tree has.
@@ -27,7 +33,9 @@ struct Kernel {
     const char* name;
     void (*closest)(const TreeView&, const geometry::Ray&, geometry::Hit*, Visits*);
     bool (*occluded)(const TreeView&, const geometry::Ray&, Visits*);
-    bool (*crossings)(const TreeView&, const geometry::Ray&, const CrossingSink&, Visits*);
+    /// ended[i]: 1 where ray i met something opaque. What the others crossed comes in any order.
+    void (*crossings)(const TreeView&, const geometry::Ray*, std::size_t count, CrossingSink&,
+                      std::uint8_t* ended, Visits*);
     void (*closestBatch)(const TreeView&, const geometry::Ray*, std::size_t count, bool coherent,
                          geometry::Hit*, Visits*);
     void (*occludedBatch)(const TreeView&, const geometry::Ray*, std::size_t count, bool coherent,

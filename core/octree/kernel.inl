@@ -432,9 +432,27 @@ template <class Block>
     return false;
 }
 
+inline void add(CrossingSink& sink, std::uint32_t ray, double t, std::uint32_t id) {
+    if (sink.count == sink.room) sink.grow(sink);
+    sink.found[sink.count++] = {t, id, ray};
+}
+
+/// Where a ray's crossings go.
+struct Crosser {
+    CrossingSink& sink;
+    std::uint32_t ray;
+
+    /// False: the ray ends.
+    bool take(double t, std::uint32_t id, bool touches) const {
+        if (sink.isOpaque(sink, id)) return false;
+        touches ? sink.touch(sink, ray, id) : add(sink, ray, t, id);
+        return true;
+    }
+};
+
 template <class Block>
 inline bool crossShared(const TreeView& tree, const Block& block, const Frame& f,
-                        std::uint32_t exclude, double last, const CrossingSink& sink) {
+                        std::uint32_t exclude, double last, const Crosser& to) {
     const SharedCorners corners = shearShared(f, block);
     SharedArray p;
     unsigned lanes = candidates(block, corners, tree.scale, p);
@@ -445,8 +463,7 @@ inline bool crossShared(const TreeView& tree, const Block& block, const Frame& f
         if (!solveShared(f, block, p, i, last, s)) continue;
         const std::uint32_t id = idsOf(tree, block)[i];
         if (id == exclude) continue;
-        if (!(s.touches ? sink.touch(sink.context, id) : sink.add(sink.context, s.t, id)))
-            return false;
+        if (!to.take(s.t, id, s.touches)) return false;
     }
     return true;
 }
@@ -594,9 +611,7 @@ inline bool closestInRun(const TreeView& tree, const CustomRun& run, const Ray& 
 
 /// Primitives of a block: lanes in use come first.
 inline unsigned lanesInUse(const std::uint32_t* id) {
-    unsigned n = 0;
-    while (n < kLanes && id[n] != 0xFFFFFFFFu) ++n;
-    return n;
+    return static_cast<unsigned>(__builtin_ctz(bitsEqual(id, 0xFFFFFFFFu) | 1u << kLanes));
 }
 
 template <class Block> inline unsigned trianglesOf(const Block& block) {
@@ -853,19 +868,17 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
 }
 
 inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,
-                   const CrossingSink& sink) {
+                   const Crosser& to) {
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
-        const bool goOn = touched >> i & 1 ? sink.touch(sink.context, id[i])
-                                           : sink.add(sink.context, t.at[i], id[i]);
-        if (!goOn) return false;
+        if (!to.take(t.at[i], id[i], touched >> i & 1)) return false;
     }
     return true;
 }
 
 template <bool kCount, class Block>
 inline bool crossTriangles(const Block& block, const Frame& f, std::uint32_t exclude, double last,
-                           const CrossingSink& sink, Visits* visits) {
+                           const Crosser& to, Visits* visits) {
     if (kCount) visits->triangles += lanesInUse(block.id);
     Solution s;
     Edges e;
@@ -873,12 +886,12 @@ inline bool crossTriangles(const Block& block, const Frame& f, std::uint32_t exc
     if (!lanes) return true;
     LaneArray t;
     store(t.at, s.t);
-    return addAll(lanes, bits(touching(e)), t, block.id, sink);
+    return addAll(lanes, bits(touching(e)), t, block.id, to);
 }
 
 template <bool kCount>
 inline bool crossParallelograms(const ParallelogramBlock& block, const Frame& f,
-                                std::uint32_t exclude, double last, const CrossingSink& sink,
+                                std::uint32_t exclude, double last, const Crosser& to,
                                 Visits* visits) {
     if (kCount) visits->parallelograms += lanesInUse(block.id);
     Solution s;
@@ -887,12 +900,12 @@ inline bool crossParallelograms(const ParallelogramBlock& block, const Frame& f,
     if (!lanes) return true;
     LaneArray t;
     store(t.at, s.t);
-    return addAll(lanes, touched, t, block.id, sink);
+    return addAll(lanes, touched, t, block.id, to);
 }
 
 template <bool kCount>
-inline bool crossSpheres(const SphereBlock& block, const Frame& f, double last,
-                         const CrossingSink& sink, Visits* visits) {
+inline bool crossSpheres(const SphereBlock& block, const Frame& f, double last, const Crosser& to,
+                         Visits* visits) {
     if (kCount) visits->spheres += lanesInUse(block.id);
     SphereArray spheres;
     for (unsigned lanes = meetSpheres(block, f, spheres); lanes; lanes &= lanes - 1) {
@@ -900,48 +913,41 @@ inline bool crossSpheres(const SphereBlock& block, const Frame& f, double last,
         double t[2];
         hitSphere(spheres, f, i, t[0], t[1]);
         for (const double at : t)
-            if (at > 0 && at <= last && !sink.add(sink.context, at, block.id[i])) return false;
+            if (at > 0 && at <= last && !to.take(at, block.id[i], false)) return false;
     }
     return true;
 }
 
 template <bool kCount>
 inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Frame& f,
-                        std::uint32_t exclude, double last, const CrossingSink& sink,
-                        Visits* visits) {
+                        std::uint32_t exclude, double last, const Crosser& to, Visits* visits) {
     for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
-        if (!crossTriangles<kCount>(tree.triangles[leaf.triangles + i], f, exclude, last, sink,
+        if (!crossTriangles<kCount>(tree.triangles[leaf.triangles + i], f, exclude, last, to,
                                     visits))
             return false;
     for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
-        if (!crossSpheres<kCount>(tree.spheres[leaf.spheres + i], f, last, sink, visits))
+        if (!crossSpheres<kCount>(tree.spheres[leaf.spheres + i], f, last, to, visits))
             return false;
     for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
         if (!crossParallelograms<kCount>(tree.parallelograms[leaf.parallelograms + i], f, exclude,
-                                         last, sink, visits))
+                                         last, to, visits))
             return false;
     for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
         const CustomRun& run = tree.runs[leaf.runs + i];
         if (kCount) visits->customs += run.count;
-        if (!sink.custom(sink.context, run)) return false;
+        if (!to.sink.custom(to.sink, to.ray, run)) return false;
     }
     return true;
 }
 
+/// False: the ray ends below one node or leaf.
 template <bool kCount>
-inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSink& sink,
-                          Visits* visits) {
-    const BoxRay box = boxRayOf(tree, ray);
-    const Frame f = frameOf(tree, ray);
-    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
-    const double last = below(ray.tMax);
-    if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, sink, visits)) return false;
-    if (!tree.nodes || box.misses) return true;
-    const BoxLanes lanes = lanesOf(tree, box);
-    const F32 limit = all(limitOf(box.limits, ray.tMax));
+[[gnu::always_inline]] inline bool
+crossFrom(const TreeView& tree, std::uint32_t current, const BoxLanes& lanes, float boxLimit,
+          const Frame& f, std::uint32_t exclude, double last, const Crosser& to, Visits* visits) {
+    const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
-    std::uint32_t current = 0;
     for (;;) {
         const std::uint32_t index = current & kLeafIndex;
         bool goOn = true;
@@ -958,34 +964,44 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const CrossingSi
             switch (current >> kLeafKindShift & 7) {
             case kSharedLeaf:
                 if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
-                goOn = crossShared(tree, tree.shared[index], f, exclude, last, sink);
+                goOn = crossShared(tree, tree.shared[index], f, exclude, last, to);
                 break;
             case kNarrowSharedLeaf:
                 if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
-                goOn = crossShared(tree, tree.narrowShared[index], f, exclude, last, sink);
+                goOn = crossShared(tree, tree.narrowShared[index], f, exclude, last, to);
                 break;
             case kNarrowTriangleLeaf:
-                goOn = crossTriangles<kCount>(tree.narrowTriangles[index], f, exclude, last, sink,
+                goOn = crossTriangles<kCount>(tree.narrowTriangles[index], f, exclude, last, to,
                                               visits);
                 break;
             case kTriangleLeaf:
-                goOn =
-                    crossTriangles<kCount>(tree.triangles[index], f, exclude, last, sink, visits);
+                goOn = crossTriangles<kCount>(tree.triangles[index], f, exclude, last, to, visits);
                 break;
             case kSphereLeaf:
-                goOn = crossSpheres<kCount>(tree.spheres[index], f, last, sink, visits);
+                goOn = crossSpheres<kCount>(tree.spheres[index], f, last, to, visits);
                 break;
             case kParallelogramLeaf:
-                goOn = crossParallelograms<kCount>(tree.parallelograms[index], f, exclude, last,
-                                                   sink, visits);
+                goOn = crossParallelograms<kCount>(tree.parallelograms[index], f, exclude, last, to,
+                                                   visits);
                 break;
             default:
-                goOn =
-                    crossRecord<kCount>(tree, tree.records[index], f, exclude, last, sink, visits);
+                goOn = crossRecord<kCount>(tree, tree.records[index], f, exclude, last, to, visits);
             }
         }
         if (!goOn) return false;
         if (top == 0) return true;
         current = references[--top];
     }
+}
+
+template <bool kCount>
+inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const Crosser& to, Visits* visits) {
+    const BoxRay box = boxRayOf(tree, ray);
+    const Frame f = frameOf(tree, ray);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const double last = below(ray.tMax);
+    if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, to, visits)) return false;
+    if (!tree.nodes || box.misses) return true;
+    return crossFrom<kCount>(tree, 0, lanesOf(tree, box), limitOf(box.limits, ray.tMax), f, exclude,
+                             last, to, visits);
 }

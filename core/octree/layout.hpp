@@ -141,7 +141,7 @@ struct TreeView {
     Place places[16]; // where a reference leads, by its upper four bits; for prefetching
     double center[4]; // [3]: 0
     double scale;
-    bool hasSpheres, hasUnbounded;
+    bool hasTriangles, hasSpheres, hasUnbounded;
     bool isLarge;           // more than the caches hold
     std::uint32_t hotNodes; // nodes before this one are in use all the time
     LeafRecord unbounded;   // primitives without finite bounds: every ray tests them

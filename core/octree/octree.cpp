@@ -12,9 +12,11 @@
 #include <core/parallel/parallel.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rt::octree {
 namespace {
@@ -75,29 +77,50 @@ std::uint32_t indexOf(const geometry::Segment& segment, std::uint32_t id) {
     return segment.index + id - static_cast<std::uint32_t>(segment.first);
 }
 
-/// One crossing query under way.
-struct CrossingQuery {
+/// A batch of crossing queries under way.
+struct CrossingQuery final : CrossingSink {
     const Primitives& primitives;
     const TreeView& tree;
-    const Ray& ray;
+    std::span<const Ray> rays;
     const std::vector<bool>& opaque;
-    std::vector<Crossing>& out;
+    std::vector<Found>& more; // where `few` are not enough
+    std::vector<Crossing> ofCustom;
 
-    bool isOpaque(std::uint32_t id) const {
+    CrossingQuery(const Primitives& p, const TreeView& view, std::span<const Ray> of,
+                  const std::vector<bool>& opaqueMaterials, std::span<Found> few,
+                  std::vector<Found>& memory)
+        : CrossingSink{few.data(), 0, few.size(), growing, testing, touching, crossing},
+          primitives(p), tree(view), rays(of), opaque(opaqueMaterials), more(memory) {}
+
+    std::span<const Found> all() const { return {found, count}; }
+
+private:
+    static CrossingQuery& of(CrossingSink& sink) { return static_cast<CrossingQuery&>(sink); }
+
+    static void growing(CrossingSink& sink) {
+        std::vector<Found>& more = of(sink).more;
+        if (sink.found != more.data()) more.assign(sink.found, sink.found + sink.count);
+        more.resize(std::max<std::size_t>(256, 2 * sink.count));
+        sink.found = more.data();
+        sink.room = more.size();
+    }
+    static bool testing(const CrossingSink& sink, std::uint32_t id) {
+        const auto& query = static_cast<const CrossingQuery&>(sink);
         const auto material =
-            static_cast<std::size_t>(geometry::materialOf(primitives, PrimitiveId{id}));
-        return material < opaque.size() && opaque[material];
+            static_cast<std::size_t>(geometry::materialOf(query.primitives, PrimitiveId{id}));
+        return material < query.opaque.size() && query.opaque[material];
     }
-    bool add(double t, std::uint32_t id) {
-        if (isOpaque(id)) return false;
-        out.push_back({t, PrimitiveId{id}});
-        return true;
+    void add(std::uint32_t ray, double t, std::uint32_t id) {
+        if (count == room) growing(*this);
+        found[count++] = {t, id, ray};
     }
-    bool touch(std::uint32_t id) {
-        if (isOpaque(id)) return false;
+    static void touching(CrossingSink& sink, std::uint32_t ray, std::uint32_t id) {
+        CrossingQuery& query = of(sink);
+        const Primitives& primitives = query.primitives;
         const geometry::Segment& segment = primitives.segmentOf(PrimitiveId{id});
         const std::uint32_t index = indexOf(segment, id);
-        const geometry::RayFrame frame = geometry::frameOf(ray);
+        const double tMax = query.rays[ray].tMax;
+        const geometry::RayFrame frame = geometry::frameOf(query.rays[ray]);
         double t;
         bool crosses;
         if (segment.kind == Kind::triangle) {
@@ -105,35 +128,27 @@ struct CrossingQuery {
             const auto& corner = triangles.indices[index];
             crosses = geometry::crossTriangle(frame, triangles.positions[corner[0]],
                                               triangles.positions[corner[1]],
-                                              triangles.positions[corner[2]], ray.tMax, t);
+                                              triangles.positions[corner[2]], tMax, t);
         } else {
             crosses = geometry::crossParallelogram(
-                frame, geometry::cornersOf(primitives.parallelograms[index]), ray.tMax, t);
+                frame, geometry::cornersOf(primitives.parallelograms[index]), tMax, t);
         }
-        if (crosses) out.push_back({t, PrimitiveId{id}});
-        return true;
+        if (crosses) query.add(ray, t, id);
     }
-    bool custom(const CustomRun& run) {
-        const geometry::CustomShape& shape = *primitives.customs.shapes[run.shape];
+    static bool crossing(CrossingSink& sink, std::uint32_t ray, const CustomRun& run) {
+        CrossingQuery& query = of(sink);
+        const geometry::CustomShape& shape = *query.primitives.customs.shapes[run.shape];
         for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
-            const std::size_t before = out.size();
-            geometry::crossCustom(shape, tree.customPrimitives[i], PrimitiveId{tree.customIds[i]},
-                                  ray, out);
-            if (out.size() > before && isOpaque(tree.customIds[i])) return false;
+            const std::uint32_t id = query.tree.customIds[i];
+            query.ofCustom.clear();
+            geometry::crossCustom(shape, query.tree.customPrimitives[i], PrimitiveId{id},
+                                  query.rays[ray], query.ofCustom);
+            if (!query.ofCustom.empty() && testing(sink, id)) return false;
+            for (const Crossing& c : query.ofCustom) query.add(ray, c.t, id);
         }
         return true;
     }
 };
-
-CrossingSink sinkOf(CrossingQuery& query) {
-    return {
-        &query,
-        [](void* q, double t, std::uint32_t id) {
-            return static_cast<CrossingQuery*>(q)->add(t, id);
-        },
-        [](void* q, std::uint32_t id) { return static_cast<CrossingQuery*>(q)->touch(id); },
-        [](void* q, const CustomRun& run) { return static_cast<CrossingQuery*>(q)->custom(run); }};
-}
 
 } // namespace
 
@@ -165,6 +180,9 @@ struct Octree::Impl {
 void Octree::Impl::bind(const Primitives& to) {
     primitives = &to;
     view.nodes = tree.nodes.data();
+    view.hasTriangles = tree.shared.size() + tree.triangles.size() + tree.narrowShared.size() +
+                            tree.narrowTriangles.size() >
+                        0;
     view.hasSpheres = tree.spheres.size() > 0;
     view.shared = tree.shared.data();
     view.triangles = tree.triangles.data();
@@ -276,14 +294,40 @@ bool Octree::occluded(const Ray& ray, Visits* visits) const {
 bool Octree::crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
                        std::vector<Crossing>& out, Visits* visits) const {
     if (!impl_) return true;
-    const std::size_t before = out.size();
-    CrossingQuery query{*impl_->primitives, impl_->view, ray, opaqueMaterials, out};
-    if (!impl_->kernel->crossings(impl_->view, ray, sinkOf(query), visits)) {
-        out.resize(before);
-        return false;
-    }
-    std::sort(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(), byTThenId);
+    std::array<Found, 16> few;
+    std::vector<Found> more;
+    CrossingQuery query(*impl_->primitives, impl_->view, {&ray, 1}, opaqueMaterials, few, more);
+    std::uint8_t ended = 0;
+    impl_->kernel->crossings(impl_->view, &ray, 1, query, &ended, visits);
+    if (ended) return false;
+    const auto before = static_cast<std::ptrdiff_t>(out.size());
+    for (const Found& f : query.all()) out.push_back({f.t, PrimitiveId{f.id}});
+    std::sort(out.begin() + before, out.end(), byTThenId);
     return true;
+}
+
+void Octree::crossings(std::span<const Ray> rays, const std::vector<bool>& opaqueMaterials,
+                       CrossingLists& lists, Visits* visits) const {
+    auto& ended = lists.ended_;
+    auto& end = lists.end_;
+    ended.assign(rays.size(), 0);
+    end.assign(rays.size(), 0);
+    if (!impl_) return;
+    CrossingQuery query(*impl_->primitives, impl_->view, rays, opaqueMaterials, lists.found_,
+                        lists.found_);
+    impl_->kernel->crossings(impl_->view, rays.data(), rays.size(), query, ended.data(), visits);
+    for (const Found& f : query.all()) end[f.ray] += !ended[f.ray];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& n : end) sum += std::exchange(n, sum);
+    lists.all_.resize(sum);
+    for (const Found& f : query.all())
+        if (!ended[f.ray]) lists.all_[end[f.ray]++] = {f.t, PrimitiveId{f.id}};
+    Crossing* first = lists.all_.data();
+    for (const std::uint32_t e : end) {
+        Crossing* const last = lists.all_.data() + e;
+        if (last - first > 1) std::sort(first, last, byTThenId);
+        first = last;
+    }
 }
 
 void Octree::closest(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence,

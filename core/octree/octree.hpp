@@ -73,6 +73,31 @@ struct UpdateReport {
     bool whole = false;        // everything was built anew
 };
 
+/// One crossing of ray number `ray` of a batch.
+struct Found {
+    double t;
+    std::uint32_t id, ray;
+};
+
+/// What the rays of a batch cross.
+class CrossingLists {
+public:
+    /// Did the ray meet something opaque? Then it has no list.
+    bool isEnded(std::size_t ray) const { return ended_[ray]; }
+    /// By rising t then id.
+    std::span<const Crossing> of(std::size_t ray) const {
+        const std::uint32_t first = ray ? end_[ray - 1] : 0;
+        return {all_.data() + first, end_[ray] - first};
+    }
+
+private:
+    friend class Octree;
+    std::vector<Crossing> all_;
+    std::vector<std::uint32_t> end_; // by ray, in all_
+    std::vector<std::uint8_t> ended_;
+    std::vector<Found> found_; // room for what the kernel finds
+};
+
 /// Immutable after build but for update(); queries are const and thread-safe. Results depend on the primitives alone: smallest t,
 /// equal t by lowest id, whatever the tree looks like.
 class Octree {
@@ -105,6 +130,10 @@ public:
     /// A ray through an edge or a corner of a mesh crosses one of the triangles around it.
     bool crossings(const Ray& ray, const std::vector<bool>& opaqueMaterials,
                    std::vector<Crossing>& out, Visits* visits = nullptr) const;
+
+    /// lists.of(i) = crossings(rays[i]), isEnded(i) where that is false; rays and visits as below.
+    void crossings(std::span<const Ray> rays, const std::vector<bool>& opaqueMaterials,
+                   CrossingLists& lists, Visits* visits = nullptr) const;
 
     /// hits[i] = closest(rays[i]), with the same bits, for any number of rays. `coherence` is of neighbours
     /// in the span. Rays and hits are read and written only during the call; each hit is written once.

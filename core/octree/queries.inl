@@ -11,9 +11,10 @@ bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
     return visits ? occludedImpl<true>(tree, ray, visits) : occludedImpl<false>(tree, ray, nullptr);
 }
 
-bool crossings(const TreeView& tree, const Ray& ray, const CrossingSink& sink, Visits* visits) {
-    return visits ? crossingsImpl<true>(tree, ray, sink, visits)
-                  : crossingsImpl<false>(tree, ray, sink, nullptr);
+void crossings(const TreeView& tree, const Ray* rays, std::size_t count, CrossingSink& sink,
+               std::uint8_t* ended, Visits* visits) {
+    visits ? crossBundles<true>(tree, rays, count, sink, ended, visits)
+           : crossBundles<false>(tree, rays, count, sink, ended, nullptr);
 }
 
 void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* hit) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -15,12 +16,16 @@ namespace rt::test {
 namespace {
 
 using octree::Coherence;
+using octree::Crossing;
 using octree::Hit;
 using octree::Octree;
 using octree::Simd;
 
 constexpr Simd kLevels[] = {Simd::baseline, Simd::avx2, Simd::avx512};
 constexpr Coherence kCoherences[] = {Coherence::coherent, Coherence::incoherent};
+
+/// Materials that are opaque.
+const std::vector<bool> kEverySecond{false, true};
 
 std::size_t rayCount(std::size_t inCi) {
     const char* const wanted = std::getenv("RT_OCTREE_RAYS");
@@ -34,6 +39,24 @@ bool same(const Hit& a, const Hit& b) {
     return a.id == b.id && sameBits(a.t, b.t) && sameBits(a.u, b.u) && sameBits(a.v, b.v);
 }
 
+/// Lists of crossings of a batch against those of single rays; how many are not as they should be.
+std::size_t countDiffering(const Octree& tree, std::span<const Ray> batch,
+                           const std::vector<bool>& opaque, octree::CrossingLists& lists) {
+    std::size_t differing = 0;
+    tree.crossings(batch, opaque, lists);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        std::vector<Crossing> one;
+        const bool ended = !tree.crossings(batch[i], opaque, one);
+        const auto list = lists.of(i);
+        differing += lists.isEnded(i) != ended ||
+                     !std::equal(list.begin(), list.end(), one.begin(), one.end(),
+                                 [](const Crossing& a, const Crossing& b) {
+                                     return a.id == b.id && sameBits(a.t, b.t);
+                                 });
+    }
+    return differing;
+}
+
 /// Holds batches of many lengths against single rays; how many rays hit.
 std::size_t expectSameBits(const Octree& tree, const std::vector<Ray>& rays,
                            const std::string& what) {
@@ -42,6 +65,7 @@ std::size_t expectSameBits(const Octree& tree, const std::vector<Ray>& rays,
     std::size_t differing = 0, hits = 0, length = 0;
     std::vector<Hit> closest;
     std::vector<std::uint8_t> occluded;
+    octree::CrossingLists lists;
     for (const Coherence coherence : kCoherences)
         for (std::size_t first = 0; first < rays.size();) {
             const std::size_t count =
@@ -59,6 +83,8 @@ std::size_t expectSameBits(const Octree& tree, const std::vector<Ray>& rays,
                     ADD_FAILURE() << what << ": ray " << first + i << " of a batch of " << count
                                   << ", coherence " << static_cast<int>(coherence);
             }
+            EXPECT_EQ(0u, countDiffering(tree, batch, {}, lists)) << what;
+            EXPECT_EQ(0u, countDiffering(tree, batch, kEverySecond, lists)) << what;
             first += count;
         }
     EXPECT_EQ(0u, differing) << what;
@@ -96,8 +122,12 @@ protected:
     const Scene& scene() const { return scenes()[static_cast<std::size_t>(GetParam())]; }
 
     void expectSameBitsAtEveryLevel(const std::vector<Ray>& rays) {
-        expectSameBitsAtEveryLevel(*scene().primitives, rays);
-        Primitives rounded = *scene().primitives; // whose leaves hold f32
+        Primitives primitives = *scene().primitives;
+        std::uint32_t material = 0;
+        for (geometry::Segment& s : primitives.segments)
+            s.material = geometry::MaterialId{material++ % 2};
+        expectSameBitsAtEveryLevel(primitives, rays);
+        Primitives rounded = primitives; // whose leaves hold f32
         for (Vec3& p : rounded.triangles.positions) p = numeric::roundedToF32(p);
         expectSameBitsAtEveryLevel(rounded, rays);
     }
