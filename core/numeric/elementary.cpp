@@ -4,6 +4,7 @@
 // relative to the result, so the result is within 1/2 + e ulp at most.
 #include <core/numeric/double2.hpp>
 #include <core/numeric/elementary.hpp>
+#include <core/numeric/elementary_tables.hpp>
 
 #include <array>
 #include <bit>
@@ -37,51 +38,46 @@ double scaleByPowerOfTwo(double x, int n) {
     return x * power(half) * power(n - half);
 }
 
+} // namespace
+
 // exp
 // ------------------------------------------------------------------------------------------------------------
 
-constexpr int kExpSteps = 128; // |r| <= ln 2 / 256: five Taylor terms leave r^6 / 720 < 2^-60
-
-constexpr auto kExp = [] { // 2^(j / kExpSteps)
-    std::array<Double2, kExpSteps> table;
+// Of 128 steps |r| <= ln 2 / 256: five Taylor terms leave r^6 / 720 < 2^-60
+constexpr ExpTable kExp = [] {
+    ExpTable table{0x1.62e42fef8p-8, 0x1.1cf79abc9e3b4p-43, {}};
     for (int j = 0; j < kExpSteps; ++j) {
         const Double2 r = kLn2 * Double2{double(j) / kExpSteps};
         Double2 sum{1};
         for (int k = 28; k > 0; --k) sum = Double2{1} + r * sum / Double2{double(k)};
-        table[j] = sum;
+        table.at[j] = {sum.hi, sum.lo};
     }
     return table;
 }();
+
+namespace {
 
 /// e^x for an unevaluated sum. e = 0.01 u: r carries u |r|, the polynomial p = e^r - 1 a few u |p|,
 /// |p| < 0.0028.
 double exponential(Double2 x) {
     if (!(x.hi < 710)) return kInf; // e^709.79 overflows
     if (!(x.hi > -746)) return 0;   // e^-745.14 is under half the least subnormal
-    constexpr double kStepHi = 0x1.62e42fef8p-8,
-                     kStepLo = 0x1.1cf79abc9e3b4p-43; // ln 2 / 128; hi has 34 bits
     const double n = (x.hi * 0x1.71547652b82fep+7 + kRoundShift) - kRoundShift;
-    const double r = ((x.hi - n * kStepHi) - n * kStepLo) +
+    const double r = ((x.hi - n * kExp.stepHi) - n * kExp.stepLo) +
                      x.lo; // n has 18 bits: first product and difference exact
     const double p = r + r * r * (0.5 + r * (1.0 / 6 + r * (1.0 / 24 + r * (1.0 / 120))));
     const int steps = static_cast<int>(n);
-    const Double2& base = kExp[steps & (kExpSteps - 1)];
+    const ExpTable::Step& base = kExp.at[steps & (kExpSteps - 1)];
     return scaleByPowerOfTwo(base.hi + (base.lo + base.hi * p), steps >> 7);
 }
 
 // log
 // ------------------------------------------------------------------------------------------------------------
 
-struct LogStep {
-    double inverse; // about 1 / m for the m of this step, at most 10 bits
-    double hi, lo;  // -log(inverse); hi is a multiple of 2^-41, so that k ln2Hi + hi is exact
-};
+} // namespace
 
-constexpr std::uint64_t kLogStart =
-    0x3fe6000000000000; // 0.6875: 128 steps to 1.375, 1.0 begins step 80
-
-constexpr auto kLog = [] {
-    std::array<LogStep, 128> table{};
+constexpr LogTable kLog = [] {
+    LogTable table{0x1.62e42fefa3p-1, 0x1.3de6af278ece6p-42, {}};
     for (std::uint64_t i = 0; i < 128; ++i) {
         const double first = std::bit_cast<double>(kLogStart + (i << 45));
         const double last = std::bit_cast<double>(kLogStart + ((i + 1) << 45));
@@ -95,10 +91,12 @@ constexpr auto kLog = [] {
         for (int k = 59; k > 0; k -= 2) sum = fraction(2, k) + zz * sum;
         const Double2 value = z * sum;
         const double hi = (value.hi + 0x1.8p11) - 0x1.8p11;
-        table[i] = {inverse, hi, (value.hi - hi) + value.lo};
+        table.at[i] = {inverse, hi, (value.hi - hi) + value.lo};
     }
     return table;
 }();
+
+namespace {
 
 /// log x for finite x > 0, relative error at most 2^-66: with m = 2^-k x in [0.6875, 1.375) and r =
 /// m inverse - 1 exact, |r| < 2^-7, the terms from r^3 on are rounded in f64 (at most 4 u r^3 / 3
@@ -109,7 +107,7 @@ Double2 logarithm(double x) {
     if (x < 0x1p-1022) x *= 0x1p54, k = -54;
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(x), above = bits - kLogStart;
     k += static_cast<int>(static_cast<std::int64_t>(above) >> 52);
-    const LogStep& step = kLog[(above >> 45) & 127];
+    const LogTable::Step& step = kLog.at[(above >> 45) & 127];
     const double m = std::bit_cast<double>(bits - (above & (std::uint64_t(0xfff) << 52)));
     const double mHi =
         std::bit_cast<double>(std::bit_cast<std::uint64_t>(m) & ~std::uint64_t(0x7ffffff));
@@ -123,10 +121,8 @@ Double2 logarithm(double x) {
                               tt * ((1.0 / 7 - t * (1.0 / 8)) + tt * (1.0 / 9 - t * (1.0 / 10))));
     const double low = quadratic.lo + ((r.lo - 0.5 * square.lo - t * r.lo) + t * tt * tail);
 
-    constexpr double kLn2Hi = 0x1.62e42fefa3p-1,
-                     kLn2Lo = 0x1.3de6af278ece6p-42; // hi is a multiple of 2^-41
-    const Double2 sum = twoSum(k * kLn2Hi + step.hi, quadratic.hi);
-    return quickTwoSum(sum.hi, sum.lo + (low + (step.lo + k * kLn2Lo)));
+    const Double2 sum = twoSum(k * kLog.ln2Hi + step.hi, quadratic.hi);
+    return quickTwoSum(sum.hi, sum.lo + (low + (step.lo + k * kLog.ln2Lo)));
 }
 
 // sin, cos, tan
