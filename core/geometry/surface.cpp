@@ -132,16 +132,19 @@ void surfaceOfSphere(const Sphere& sphere, const Ray& ray, const Hit& hit, Surfa
     s.planar = false;
 }
 
+double errorOf(const Parallelogram& p, const Vec3& normal) {
+    // 3 roundings in position; the kernel's corners are rounded at most twice: γ5 in all. Then the
+    // shear, as for a triangle.
+    return gamma(5) * dot(abs(normal), abs(p.origin) + abs(p.edgeU) + abs(p.edgeV)) +
+           gamma(6) * (maxComponent(abs(p.edgeU)) + maxComponent(abs(p.edgeV)));
+}
+
 void surfaceOfParallelogram(const Parallelogram& p, const Ray& ray, const Hit& hit, Surface& s) {
-    const Vec3 alongU = hit.u * p.edgeU, alongV = hit.v * p.edgeV;
-    s.position = p.origin + (alongU + alongV);
+    s.position = pointOn(p, hit);
     s.geometricNormal = triangleNormal(Vec3(0.0), p.edgeU, p.edgeV);
     if (s.geometricNormal == Vec3(0.0)) s.geometricNormal = -unit(ray.direction);
     s.shadingNormal = s.geometricNormal;
-    // 3 roundings in position; the kernel's corners are rounded at most twice: γ5 in all. Then the
-    // shear, as for a triangle.
-    s.error = gamma(5) * dot(abs(s.geometricNormal), abs(p.origin) + abs(p.edgeU) + abs(p.edgeV)) +
-              gamma(6) * (maxComponent(abs(p.edgeU)) + maxComponent(abs(p.edgeV)));
+    s.error = errorOf(p, s.geometricNormal);
     s.planar = true;
     s.uv = {hit.u, hit.v};
 }
@@ -207,12 +210,9 @@ Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
     return wide == Vec3(0.0) ? wide : unit(wide);
 }
 
-MaterialId materialOf(const Primitives& primitives, PrimitiveId id) {
-    const Segment& segment = primitives.segmentOf(id);
-    if (segment.kind != Kind::triangle || primitives.triangles.materials.empty())
-        return segment.material;
-    const auto offset = static_cast<std::uint32_t>(id) - static_cast<std::uint32_t>(segment.first);
-    return primitives.triangles.materials[segment.index + offset];
+Plane planeOf(const Parallelogram& p) {
+    const Vec3 normal = triangleNormal(Vec3(0.0), p.edgeU, p.edgeV);
+    return {normal, errorOf(p, normal)};
 }
 
 std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id) {
@@ -256,7 +256,11 @@ double errorBoundWithin(const Box3d& box) {
 }
 
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit) {
-    const Segment& segment = primitives.segmentOf(hit.id);
+    return surfaceAt(primitives, ray, hit, primitives.segmentOf(hit.id));
+}
+
+Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit,
+                  const Segment& segment) {
     const auto offset =
         static_cast<std::uint32_t>(hit.id) - static_cast<std::uint32_t>(segment.first);
     const std::uint32_t index = segment.index + offset;

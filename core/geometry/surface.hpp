@@ -23,6 +23,19 @@ struct Surface {
 
 /// The point that `hit`, an answer to `ray`, stands for.
 Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit);
+/// Likewise; `segment` is that of the hit.
+Surface surfaceAt(const Primitives& primitives, const Ray& ray, const Hit& hit,
+                  const Segment& segment);
+
+/// What all points of a parallelogram have in common.
+struct Plane {
+    Vec3 normal;  // as Surface::geometricNormal; 0 where there is none
+    double error; // as Surface::error
+};
+Plane planeOf(const Parallelogram& p);
+inline Vec3 pointOn(const Parallelogram& p, const Hit& hit) {
+    return p.origin + (hit.u * p.edgeU + hit.v * p.edgeV);
+}
 
 /// Bound on the error of any triangle, sphere or parallelogram within `box`.
 double errorBoundWithin(const Box3d& box);
@@ -45,7 +58,15 @@ inline const Sphere& sphereOf(const Primitives& primitives, const Segment& segme
 }
 
 /// Material of a primitive; cheaper than surfaceAt.
-MaterialId materialOf(const Primitives& primitives, PrimitiveId id);
+inline MaterialId materialOf(const Primitives& primitives, const Segment& segment, PrimitiveId id) {
+    if (segment.kind != Kind::triangle || primitives.triangles.materials.empty())
+        return segment.material;
+    return primitives.triangles.materials[segment.index + static_cast<std::uint32_t>(id) -
+                                          static_cast<std::uint32_t>(segment.first)];
+}
+inline MaterialId materialOf(const Primitives& primitives, PrimitiveId id) {
+    return materialOf(primitives, primitives.segmentOf(id), id);
+}
 
 /// (b − a) × (c − a) as a unit vector within 1e-10 degrees of the exact one however thin the
 /// triangle; (0, 0, 0) when a, b, c lie exactly on a line.

@@ -15,15 +15,13 @@ Camera::Camera(const scene::Camera& camera, std::uint32_t width, std::uint32_t h
     toScreen_ = forward * camera.screenDistance;
 }
 
-Ray Camera::through(double column, double row) const {
+void Camera::through(double column, double row, Ray& ray) const {
     // Factors before products: at twice the size all of them scale by exactly 2, so a sample has the
     // same bits whether it is a pixel of the large picture or a subpixel of the small one.
     const Vec3 toSample = toScreen_ + up_ * (pixelHeight_ * (halfRows_ - row)) +
                           left_ * (pixelWidth_ * (halfColumns_ - column));
-    Ray ray;
     ray.origin = startsOnScreen_ ? eye_ + toSample : eye_;
     ray.direction = unit(toSample);
-    return ray;
 }
 
 } // namespace rt::trace

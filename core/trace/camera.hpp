@@ -16,7 +16,13 @@ public:
            scene::NearPlane nearPlane);
 
     /// Unit direction; starts at the eye, or on the screen when that is the near plane.
-    Ray through(double column, double row) const;
+    Ray through(double column, double row) const {
+        Ray ray;
+        through(column, row, ray);
+        return ray;
+    }
+    /// In place: sets origin and direction.
+    void through(double column, double row, Ray& ray) const;
 
     const Vec3& eye() const { return eye_; }
 

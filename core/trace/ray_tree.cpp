@@ -33,15 +33,16 @@ public:
         return number;
     }
 
-    std::uint32_t child(const Work& parent, const Work& work, Fate fate) {
+    std::uint32_t child(const Work& parent, std::uint32_t depth, const LinearRgb& weight,
+                        RayKind kind, Fate fate) {
         const auto number = static_cast<std::uint32_t>(tree_.nodes.size());
         Node node{};
         node.parent = parent.node;
         node.kind =
-            work.kind == RayKind::reflected ? RayTree::Kind::reflected : RayTree::Kind::refracted;
+            kind == RayKind::reflected ? RayTree::Kind::reflected : RayTree::Kind::refracted;
         node.fate = static_cast<RayTree::Fate>(fate);
-        node.depth = work.depth;
-        node.weight = work.weight;
+        node.depth = depth;
+        node.weight = weight;
         node.media = tree_.nodes[parent.node].media;
         tree_.nodes.push_back(std::move(node));
         tree_.nodes[parent.node].children.push_back(number);
@@ -49,13 +50,13 @@ public:
     }
 
     /// A child ray starts.
-    void starts(const Work& work, const geometry::Ray& ray) {
-        Node& node = tree_.nodes[work.node];
+    void starts(std::uint32_t number, const geometry::Ray& ray) {
+        Node& node = tree_.nodes[number];
         node.origin = ray.origin, node.direction = ray.direction;
     }
 
-    void transmitted(const Work& work, const Facing& facing, const Coincident* also) {
-        auto& media = tree_.nodes[work.node].media;
+    void transmitted(std::uint32_t number, const Facing& facing, const Coincident* also) {
+        auto& media = tree_.nodes[number].media;
         if (facing.surface.solid) cross(media, facing.surface.object, facing.leaving);
         if (!also) return;
         for (const auto object : also->leftSolids) cross(media, object, true);

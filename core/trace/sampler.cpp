@@ -17,21 +17,22 @@ bool isFinite(const LinearRgb& c) {
 template <class Trace>
 void forEachBatch(const View& view, std::span<const PicturePoint> points, LinearRgb* colors,
                   Scratch& scratch, const Trace& trace) {
-    for (std::size_t first = 0; first < points.size(); first += kWave) {
-        auto& [rays, colorOf] = scratch.camera;
-        const std::size_t last = std::min(first + kWave, points.size());
-        rays.resize(last - first);
-        colorOf.resize(last - first);
+    constexpr std::size_t kBatch = 4096; // bounds the memory, and what waits in the caches
+    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+        const std::size_t last = std::min(first + kBatch, points.size());
+        const auto rays = room(scratch.camera.rays, last - first);
+        const auto colorOf = room(scratch.camera.colorOf, last - first);
         std::size_t used = 0;
         for (std::size_t i = first; i < last; ++i) {
+            geometry::Ray& ray = rays[used];
+            view.camera.through(points[i].column, points[i].row, ray);
+            ray.tMax = numeric::kInfinity;
+            ray.exclude = geometry::kNoPrimitive;
             colors[i] = {};
-            rays[used] = view.camera.through(points[i].column, points[i].row);
             colorOf[used] = colors + i;
-            used += view.stage.box.clip(rays[used]);
+            used += view.stage.box.clip(ray);
         }
-        rays.resize(used);
-        colorOf.resize(used);
-        trace(std::span<const geometry::Ray>(rays), std::span<LinearRgb* const>(colorOf));
+        trace(rays.first(used), colorOf.first(used));
     }
 }
 

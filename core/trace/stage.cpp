@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace rt::trace {
 namespace {
@@ -90,6 +92,23 @@ std::vector<bool> objectsThatMayCoincide(const world::World& world) {
     return may;
 }
 
+std::vector<std::uint8_t> ranksOf(const std::vector<material::Material>& materials) {
+    std::vector<std::size_t> order(materials.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto key = [&](std::size_t i) {
+        const material::Material& m = materials[i];
+        return std::tuple(!m.isOpaque(), m.isMirror(), m.colorTexture);
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    constexpr std::size_t kFew = kRankOfMisses / (kKindOfRank + 1);
+    std::vector<std::uint8_t> ranks(materials.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        ranks[order[i]] =
+            static_cast<std::uint8_t>(i * kFew / std::max(order.size(), kFew) * (kKindOfRank + 1));
+    return ranks;
+}
+
 } // namespace
 
 Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
@@ -107,10 +126,17 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
         lit.push_back(
             {glows || !m.diffuse.isBlack() || !m.specular.isBlack(), glows && !m.isOpaque()});
     }
+    ranks = ranksOf(world.materials);
+    constexpr std::size_t kManyPlanes =
+        4096; // would only push more useful things out of the caches
+    if (world.primitives.parallelograms.size() <= kManyPlanes)
+        for (const auto& p : world.primitives.parallelograms)
+            planes.push_back(geometry::planeOf(p));
     nothing.assign(opaque.size(), false);
     transmits = std::any_of(world.primitives.segments.begin(), world.primitives.segments.end(),
                             [&](const Segment& s) { return segmentTransmits(world, s); });
     if (transmits) mayCoincide = objectsThatMayCoincide(world);
+    anyMayCoincide = std::find(mayCoincide.begin(), mayCoincide.end(), true) != mayCoincide.end();
     ties = tiesOf(world.primitives);
 }
 

@@ -23,6 +23,11 @@ struct Lit {
     bool front, back;
 };
 
+/// Rays at surfaces are sorted by rank: matt ones first, then mirrors, then what lets light through; each by
+/// material, while these are few, and kind of primitive.
+inline constexpr std::uint8_t kKindOfRank = 3, kRankOfMisses = 64;
+inline constexpr std::size_t kRanks = kRankOfMisses + 1;
+
 /// Immutable while rays are traced; threads share it.
 struct Stage {
     Stage(const octree::Octree& octree, const world::World& world,
@@ -38,6 +43,22 @@ struct Stage {
                     lowestOfTied(octree, world.primitives, ties, rays[i], hits[i], scratch, visits);
     }
 
+    /// primitives.segmentOf, without a call where it is plain.
+    const geometry::Segment& segmentOf(geometry::PrimitiveId id) const {
+        const auto& segments = world.primitives.segments;
+        const auto number = static_cast<std::uint32_t>(id);
+        if (number < segments.size()) {
+            const geometry::Segment& segment = segments.data()[number];
+            if (segment.first == id && segment.count == 1) return segment;
+        }
+        return world.primitives.segmentOf(id);
+    }
+    std::uint8_t rankOf(const geometry::Segment& segment, geometry::PrimitiveId id) const {
+        const auto material = geometry::materialOf(world.primitives, segment, id);
+        return ranks.data()[static_cast<std::uint32_t>(material)] |
+               static_cast<std::uint8_t>(segment.kind);
+    }
+
     const octree::Octree& octree;
     const world::World& world;
     std::vector<Light> lights;
@@ -46,12 +67,16 @@ struct Stage {
     std::uint32_t depth;
     double cutoff;
 
+    std::vector<geometry::Plane> planes; // of the parallelograms, unless there are many
+
     bool transmits;            // some surface lets light through
     std::vector<bool> opaque;  // by MaterialId
     std::vector<bool> nothing; // by MaterialId, all false: no material stops a query of crossings
     std::vector<Lit> lit;      // by MaterialId
-    std::vector<bool> mayCoincide; // by ObjectId: transmissive and within reach of another object
-    Ties ties;                     // faces of different objects in one plane
+    std::vector<std::uint8_t> ranks; // likewise, without the kind
+    std::vector<bool> mayCoincide;   // by ObjectId: transmissive and within reach of another object
+    bool anyMayCoincide = false;
+    Ties ties; // faces of different objects in one plane
 };
 
 } // namespace rt::trace

@@ -13,7 +13,7 @@
 namespace rt::trace {
 namespace {
 
-constexpr std::uint32_t kTileSide = 16; // pixels
+constexpr std::uint32_t kTileSide = 32; // pixels
 
 /// What no thread uses at the moment. (A thread_local one would have its destructor registered by the C library,
 /// which ends the program when there is no memory for that.)

@@ -1,46 +1,7 @@
-// The kernels of wave.hpp, in terms of the lanes of the compiler's target. Every expression repeats one
+// The kernels of wave.hpp, in terms of lanes.inl. Every expression repeats one
 // of direction.hpp, whitted.hpp or geometry/surface.cpp operation by operation.
 //
 // Nothing here may call an inline function of another header: see octree/kernel.inl.
-
-#if defined __AVX512F__
-constexpr std::size_t kLanes = 8;
-#elif defined __AVX2__
-constexpr std::size_t kLanes = 4;
-#else
-constexpr std::size_t kLanes = 2;
-#endif
-
-using F64 = double __attribute__((vector_size(8 * kLanes)));
-using I64 = long long __attribute__((vector_size(8 * kLanes))); // a mask: 0 or -1 in each lane
-
-inline F64 load(const Column& c, std::size_t i) { return *reinterpret_cast<const F64*>(c.at + i); }
-inline void store(Column& c, std::size_t i, F64 v) { *reinterpret_cast<F64*>(c.at + i) = v; }
-inline I64 load(const MaskColumn& c, std::size_t i) {
-    I64 v;
-    __builtin_memcpy(&v, c.at + i, sizeof v);
-    return v;
-}
-inline void store(MaskColumn& c, std::size_t i, I64 v) { __builtin_memcpy(c.at + i, &v, sizeof v); }
-inline F64 all(double x) { return x - F64{}; }
-inline F64 select(I64 mask, F64 a, F64 b) { return mask ? a : b; }
-inline I64 bitsOf(F64 x) { return reinterpret_cast<I64>(x); }
-inline F64 ofBits(I64 x) { return reinterpret_cast<F64>(x); }
-inline F64 magnitude(F64 x) { return ofBits(bitsOf(x) & 0x7FFFFFFFFFFFFFFF); }
-inline F64 squareRoot(F64 x) {
-#if defined __AVX512F__
-    return _mm512_sqrt_pd(x);
-#elif defined __AVX2__
-    return _mm256_sqrt_pd(x);
-#else
-    return _mm_sqrt_pd(x);
-#endif
-}
-inline bool any(I64 mask) {
-    long long m = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) m |= mask[i];
-    return m;
-}
 
 struct V3 {
     F64 x, y, z;
@@ -99,7 +60,62 @@ inline V3 intoHemisphere(V3 direction, V3 normal) {
 /// Of vectors about as long as 1.
 inline V3 unit(V3 v) { return v / squareRoot(dot(v, v)); }
 
+/// Signs and largest component: what the rays of one bundle of the octree have in common.
+inline I64 groupOf(V3 direction) {
+    const V3 size = magnitude(direction);
+    const I64 xIsLargest = (size.x > size.y) & (size.x > size.z);
+    const I64 yIsLargest = ~(size.x > size.y) & (size.y > size.z);
+    const I64 axis = ~xIsLargest & (2 + yIsLargest); // true is -1
+    return axis << 3 | ((bitsOf(direction.x) < 0) & 4) | ((bitsOf(direction.y) < 0) & 2) |
+           ((bitsOf(direction.z) < 0) & 1);
+}
+
+using Rgb = numeric::LinearRgb;
+
+/// The materials of some encounters, which are sorted by them.
+struct Materials {
+    const material::Material* const* of;
+    bool areOne;
+
+    Materials(const Wave& w, std::size_t i) : of(w.material + i), areOne(true) {
+        for (std::size_t k = 1; k < kLanes; ++k) areOne &= of[k] == of[0];
+    }
+    V3 operator()(Rgb material::Material::*color) const {
+        const Rgb& first = of[0]->*color;
+        V3 v = {all(first.r), all(first.g), all(first.b)};
+        if (areOne) return v;
+        for (std::size_t k = 1; k < kLanes; ++k) {
+            const Rgb& c = of[k]->*color;
+            v.x[k] = c.r, v.y[k] = c.g, v.z[k] = c.b;
+        }
+        return v;
+    }
+    F64 operator()(double material::Material::*number) const {
+        F64 v = all(of[0]->*number);
+        if (areOne) return v;
+        for (std::size_t k = 1; k < kLanes; ++k) v[k] = of[k]->*number;
+        return v;
+    }
+};
+
+inline void store(Leaving& to, const Wave& w, std::size_t i, V3 origin, double tMax, V3 direction) {
+    store(to.group, i, groupOf(direction));
+    static_assert(sizeof(geometry::Ray) == 8 * sizeof(double) &&
+                  __builtin_offsetof(geometry::Ray, tMax) == 3 * sizeof(double) &&
+                  __builtin_offsetof(geometry::Ray, direction) == 4 * sizeof(double) &&
+                  __builtin_offsetof(geometry::Ray, exclude) == 7 * sizeof(double));
+    F64 rows[8] = {origin.x,    origin.y,    origin.z,    all(tMax),
+                   direction.x, direction.y, direction.z, ofBits(load(w.exclude, i))};
+    for (std::size_t part = 0; part < 8; part += kLanes) {
+        transpose(rows + part);
+        for (std::size_t k = 0; k < kLanes; ++k)
+            __builtin_memcpy(reinterpret_cast<char*>(to.ray + i + k) + part * sizeof(double),
+                             rows + part + k, sizeof(F64));
+    }
+}
+
 void face(Wave& w, std::size_t count) {
+    const V3 none = {all(0.0), all(0.0), all(0.0)};
     for (std::size_t i = 0; i < count; i += kLanes) {
         V3 geometric = load(w.geometric, i), normal = load(w.normal, i);
         F64 error = load(w.error, i), beside = load(w.errorBeside, i);
@@ -126,10 +142,12 @@ void face(Wave& w, std::size_t count) {
         store(w.normal, i, select(leaving, -normal, normal));
         // Rays leave from beyond a second surface that coincides with this one: its bound too.
         store(w.error, i, error + beside);
+        store(w.light, i, none);
     }
 }
 
 void aim(Wave& w, std::size_t count, const double light[3]) {
+    const V3 none = {all(0.0), all(0.0), all(0.0)};
     const V3 at = {all(light[0]), all(light[1]), all(light[2])};
     for (std::size_t i = 0; i < count; i += kLanes) {
         const V3 position = load(w.position, i), normal = load(w.normal, i);
@@ -142,24 +160,50 @@ void aim(Wave& w, std::size_t count, const double light[3]) {
         store(w.halfway, i, dot(halfway, normal) / squareRoot(dot(halfway, halfway)));
         const V3 origin = spawnOrigin(position, load(w.geometric, i), load(w.leaving, i),
                                       load(w.error, i), toLight);
-        store(w.shadowOrigin, i, origin);
-        store(w.shadowDirection, i, at - origin);
+        store(w.shadow, w, i, origin, 1, at - origin);
+        store(w.visible, i, none);
     }
 }
 
-void add(Wave& w, std::size_t count) {
+inline I64 isBlack(V3 c) { return (c.x == 0) & (c.y == 0) & (c.z == 0); }
+
+void add(Wave& w, std::size_t count, bool transmits) {
     for (std::size_t i = 0; i < count; i += kLanes) {
-        const V3 visible = load(w.visible, i);
+        const F64 cosine = load(w.cosine, i), halfway = load(w.halfway, i);
+        const Materials materials(w, i);
+        const V3 specular = materials(&material::Material::specular);
+        V3 visible = load(w.visible, i);
+        if (transmits)
+            visible = select(cosine == 0, visible * materials(&material::Material::transmission),
+                             visible);
+        const I64 shines = (cosine > 0) & (halfway > 0) & ~isBlack(specular) & ~isBlack(visible);
+        F64 highlight = all(0.0);
+        if (any(shines))
+            highlight = select(shines,
+                               power(select(shines & (halfway < 1), halfway, all(1.0)),
+                                     materials(&material::Material::shininess)),
+                               highlight);
         const V3 added =
-            (load(w.environment, i) * visible + load(w.diffuse, i) * load(w.cosine, i) * visible) +
-            load(w.specular, i) * load(w.power, i) * visible;
+            (materials(&material::Material::environment) * visible +
+             load(w.color, i) * materials(&material::Material::diffuse) * cosine * visible) +
+            specular * highlight * visible;
+        store(w.visible, i, visible);
         store(w.added, i, added);
         store(w.light, i, load(w.light, i) + added);
     }
 }
 
-void refract(Wave& w, std::size_t count) {
-    for (std::size_t i = 0; i < count; i += kLanes) {
+void bend(Wave& w, std::size_t first, std::size_t count) {
+    for (std::size_t i = first / kLanes * kLanes; i < count; i += kLanes) {
+        const F64 ior = Materials(w, i)(&material::Material::ior);
+        const F64 ratio = select(load(w.leaving, i), ior, 1 / ior);
+        store(w.ratio, i, select(load(w.bends, i), ratio, all(1.0)));
+        store(w.refractedError, i, load(w.error, i));
+    }
+}
+
+void refract(Wave& w, std::size_t first, std::size_t count) {
+    for (std::size_t i = first / kLanes * kLanes; i < count; i += kLanes) {
         const V3 direction = load(w.direction, i), geometric = load(w.geometric, i);
         const F64 ratio = load(w.ratio, i);
         // An interpolated normal may point away from the viewer.
@@ -170,29 +214,33 @@ void refract(Wave& w, std::size_t count) {
         const V3 bent = unit(tangential - normal * squareRoot(1 - sineSquared));
         const I64 straight = ratio == 1;
         const V3 out = select(straight, direction, -intoHemisphere(-bent, geometric));
-        const V3 transmission = load(w.transmission, i);
         store(w.passes, i, straight | (sineSquared < 1));
-        store(w.refracted, i, out);
-        store(w.refractedOrigin, i,
+        store(w.refracted, w, i,
               spawnOrigin(load(w.position, i), geometric, load(w.leaving, i),
-                          load(w.refractedError, i), out));
-        store(w.refractedWeight, i, load(w.weight, i) * (load(w.color, i) * transmission));
+                          load(w.refractedError, i), out),
+              __builtin_inf(), out);
+        store(w.refractedWeight, i,
+              load(w.weight, i) *
+                  (load(w.color, i) * Materials(w, i)(&material::Material::transmission)));
     }
 }
 
-void mirror(Wave& w, std::size_t count, bool transmits) {
+void mirror(Wave& w, std::size_t first, std::size_t count, bool transmits) {
     const V3 none = {all(0.0), all(0.0), all(0.0)};
-    for (std::size_t i = 0; i < count; i += kLanes) {
+    for (std::size_t i = first / kLanes * kLanes; i < count; i += kLanes) {
         const V3 direction = load(w.direction, i), normal = load(w.normal, i);
         const V3 geometric = load(w.geometric, i);
         const V3 out =
             intoHemisphere(unit(direction - normal * (2 * dot(direction, normal))), geometric);
-        V3 share = load(w.specular, i);
-        if (transmits) share = share + select(load(w.passes, i), none, load(w.transmission, i));
-        store(w.mirrored, i, out);
+        const Materials materials(w, i);
+        V3 share = materials(&material::Material::specular);
+        if (transmits)
+            share = share +
+                    select(load(w.passes, i), none, materials(&material::Material::transmission));
         store(
-            w.mirroredOrigin, i,
-            spawnOrigin(load(w.position, i), geometric, load(w.leaving, i), load(w.error, i), out));
+            w.mirrored, w, i,
+            spawnOrigin(load(w.position, i), geometric, load(w.leaving, i), load(w.error, i), out),
+            __builtin_inf(), out);
         store(w.mirroredWeight, i, load(w.weight, i) * (load(w.color, i) * share));
     }
 }

@@ -1,4 +1,6 @@
 // The shading for avx512; see wave.hpp.
+#include <core/numeric/elementary.hpp>
+#include <core/numeric/elementary_tables.hpp>
 #include <core/numeric/rounding.hpp>
 #include <core/trace/wave.hpp>
 
@@ -6,9 +8,11 @@
 
 namespace rt::trace::avx512 {
 namespace {
+#include "lanes.inl"
+#include "power.inl"
 #include "wave.inl"
 } // namespace
 
-const WaveKernel waveKernel = {face, aim, add, refract, mirror};
+const WaveKernel waveKernel = {face, aim, add, bend, refract, mirror};
 
 } // namespace rt::trace::avx512

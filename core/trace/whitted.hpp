@@ -21,16 +21,15 @@
 #include <core/trace/coincident.hpp>
 #include <core/trace/counts.hpp>
 #include <core/trace/direction.hpp>
-#include <core/trace/ordered_sums.hpp>
+#include <core/trace/front.hpp>
 #include <core/trace/shadow_terminator.hpp>
 #include <core/trace/stage.hpp>
 #include <core/trace/wave.hpp>
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <span>
-#include <vector>
+#include <tuple>
 
 namespace rt::trace {
 
@@ -44,18 +43,6 @@ struct Features {
     Counting counting;
 };
 
-enum class RayKind : std::uint8_t { primary, reflected, refracted };
-
-/// What a ray is traced for, and how much of what it sees reaches the picture.
-struct Work {
-    LinearRgb weight{1, 1, 1};
-    std::uint32_t depth = 0; // bounces so far
-    std::uint32_t sample = 0;
-    OrderedSums::Term term = 0; // what it contributes to the sample
-    std::uint32_t node = 0;     // the observer's number for this ray
-    RayKind kind = RayKind::primary;
-};
-
 /// A surface as the ray sees it: normals turned toward the ray.
 struct Facing {
     geometry::Surface surface;
@@ -63,59 +50,6 @@ struct Facing {
     Vec3 geometric; // of the flat primitive
     bool leaving;   // the ray arrives from the inside
 };
-
-/// A ray at the surface that it met; numbers are in the wave, under the same index.
-struct Encounter {
-    Work work;
-    geometry::Ray ray; // where something transmits
-    geometry::Hit hit;
-    geometry::Vec2 uv;
-    const geometry::Segment* segment;
-    geometry::MaterialId material;
-    bool planar;
-    std::uint32_t coincident; // in Scratch::coincident, or kNone
-};
-
-/// Encounters that are shaded together.
-struct Front {
-    Wave wave;
-    std::vector<Encounter> met;
-};
-
-/// Memory of one thread; grows to what the scenes it has met need, then is never allocated again.
-struct Scratch {
-    struct {
-        std::vector<geometry::Ray> rays;
-        std::vector<LinearRgb*> colorOf;
-    } camera; // of the sampler
-    std::vector<geometry::Ray> pendingRays;
-    std::vector<Work> pending;       // likewise
-    std::vector<geometry::Ray> rays; // of the wave
-    std::vector<Work> works;         // likewise
-    std::vector<geometry::Hit> hits; // likewise
-    std::vector<std::uint8_t> direction;
-    std::unique_ptr<Front> front = std::make_unique<Front>();
-    std::unique_ptr<Front> contact =
-        std::make_unique<Front>(); // one opaque surface that another touches
-    std::vector<geometry::Ray> shadowRays;
-    std::vector<std::uint32_t> toLight; // by shadow ray: number of the encounter
-    std::vector<std::uint8_t> occluded;
-    OrderedSums sums;
-    std::vector<geometry::Crossing> crossings;
-    std::vector<Coincident> coincident; // the first so many are of the front
-    std::uint32_t coincidents = 0;
-};
-
-inline Vec3 at(const Columns& c, std::size_t i) { return {c.x.at[i], c.y.at[i], c.z.at[i]}; }
-inline LinearRgb colorAt(const Columns& c, std::size_t i) {
-    return {c.x.at[i], c.y.at[i], c.z.at[i]};
-}
-inline void put(Columns& c, std::size_t i, const Vec3& v) {
-    c.x.at[i] = v.x, c.y.at[i] = v.y, c.z.at[i] = v.z;
-}
-inline void put(Columns& c, std::size_t i, const LinearRgb& v) {
-    c.x.at[i] = v.r, c.y.at[i] = v.g, c.z.at[i] = v.b;
-}
 
 enum class Fate : std::uint8_t { traced, nothingToAdd, cutByDepth, cutByContribution };
 
@@ -130,90 +64,71 @@ public:
         : stage_(stage), scratch_(scratch), counts_(counts), observer_(observer) {}
 
     /// The linear light along each ray, of unit direction and clipped to the scene's box; until the
-    /// next call. At most kWave. Fastest when neighbours in the span are neighbours in the picture.
-    std::span<const LinearRgb> radiance(std::span<const geometry::Ray> primaries) {
-        meetPrimaries(primaries);
-        for (;;) {
+    /// next call. Fastest for many, of which neighbours in the span are neighbours in the picture.
+    /// A ray that starts on a face is moved to its other side.
+    std::span<const LinearRgb> radiance(std::span<geometry::Ray> primaries) {
+        start(primaries);
+        for (std::size_t traced = 0;;) {
+            // Full waves as long as there are rays for them.
+            if (traced < primaries.size() && scratch_.pending.size() < kWave) {
+                const std::size_t count = std::min(kWave, primaries.size() - traced);
+                tracePrimaries(primaries.subspan(traced, count), traced);
+                traced += count;
+            } else if (!scratch_.pending.empty()) {
+                tracePending();
+            } else {
+                return scratch_.sums.sums();
+            }
             Front& front = *scratch_.front;
             scratch_.coincidents = 0;
+            room(scratch_.children, 2 * front.count);
+            scratch_.childCount = 0;
+            scratch_.childrenByDirection.start();
             surface(front);
             shine(front);
             leave(front);
-            if (scratch_.pending.empty()) return scratch_.sums.sums();
-            meetPending();
+            scratch_.sums.tidy();
+            sendOff(front);
         }
     }
 
 private:
-    static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-
     octree::Visits* visits() const {
         return kFeatures.counting != Counting::none ? &counts_.visits : nullptr;
     }
 
-    void meetPrimaries(std::span<const geometry::Ray> primaries) {
+    void start(std::span<const geometry::Ray> primaries) {
         counts_.primary += primaries.size();
         scratch_.pending.clear();
-        scratch_.pendingRays.clear();
-        scratch_.sums.start(primaries.size());
-        scratch_.hits.resize(primaries.size());
-        closest(primaries, scratch_.hits);
-        settle(primaries);
-        Work work;
-        for (std::uint32_t i = 0; i < primaries.size(); ++i) {
-            work.sample = i;
-            if constexpr (kFeatures.transmission) work.term = scratch_.sums.first(i);
-            if constexpr (Observer::kActive) work.node = observer_.primary(work, primaries[i]);
-            meet(work, primaries[i], scratch_.hits[i]);
+        if constexpr (kFeatures.transmission)
+            scratch_.sums.startWaiting(primaries.size());
+        else
+            scratch_.sums.start(primaries.size());
+        auto& works = scratch_.primaries;
+        while (works.size() < primaries.size()) {
+            Work work;
+            work.sample = work.term = static_cast<std::uint32_t>(works.size());
+            works.push_back(work);
         }
+        if constexpr (Observer::kActive)
+            for (std::size_t i = 0; i < primaries.size(); ++i)
+                works[i].node = observer_.primary(works[i], primaries[i]);
     }
 
-    /// Takes the last works and traces them. Taking the last, at most so many, keeps the memory of those
-    /// that wait linear in the depth. The octree traces together what goes in one direction, so they are
-    /// sorted (glass.yaml of tests/bench/versus: 1.2 times as fast).
-    void meetPending() {
-        auto& pending = scratch_.pending;
-        auto& pendingRays = scratch_.pendingRays;
-        auto& rays = scratch_.rays;
-        auto& works = scratch_.works;
-        auto& direction = scratch_.direction;
-        const std::size_t count = std::min(pending.size(), kWave), first = pending.size() - count;
-        std::array<std::uint32_t, kDirections + 1> start{};
-        direction.resize(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            direction[i] = directionOf(pendingRays[first + i].direction);
-            ++start[direction[i] + 1u];
-        }
-        for (std::size_t d = 1; d <= kDirections; ++d) start[d] += start[d - 1];
-        auto next = start;
-        rays.resize(count);
-        works.resize(count);
-        scratch_.hits.resize(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t to = next[direction[i]]++;
-            rays[to] = pendingRays[first + i];
-            works[to] = pending[first + i];
-        }
-        pending.resize(first);
-        pendingRays.resize(first);
-        for (std::size_t d = 0; d < kDirections; ++d) {
-            const std::size_t of = start[d + 1] - start[d];
-            if (of > 0)
-                closest(std::span<const geometry::Ray>(rays).subspan(start[d], of),
-                        std::span(scratch_.hits).subspan(start[d], of));
-        }
-        settle(rays);
-        for (std::size_t i = 0; i < count; ++i) meet(works[i], rays[i], scratch_.hits[i]);
+    /// `rays` are those of the samples from `first` on.
+    void tracePrimaries(std::span<geometry::Ray> rays, std::size_t first) {
+        const auto hits = room(scratch_.hits, rays.size());
+        closest(rays, hits);
+        meet({std::span(scratch_.primaries).subspan(first, rays.size()), rays, hits});
     }
 
-    static constexpr std::size_t kDirections = 24;
-
-    /// Signs and largest component: what the rays of one bundle of the octree have in common.
-    static std::uint8_t directionOf(const Vec3& d) {
-        const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
-        const unsigned axis = x > y && x > z ? 0 : y > z ? 1 : 2;
-        return static_cast<std::uint8_t>(axis << 3 | unsigned(d.x < 0) << 2 |
-                                         unsigned(d.y < 0) << 1 | unsigned(d.z < 0));
+    void tracePending() {
+        const auto [rays, works, groups] = scratch_.pending.take();
+        const auto hits = room(scratch_.hits, rays.size());
+        forEachRun(groups, [&, rays = rays](std::size_t first, std::size_t count) {
+            closest(rays.subspan(first, count), hits.subspan(first, count));
+        });
+        meet({works, rays, hits});
     }
 
     void closest(std::span<const geometry::Ray> rays, std::span<geometry::Hit> hits) {
@@ -225,85 +140,148 @@ private:
         }
     }
 
-    void settle(std::span<const geometry::Ray> rays) {
-        stage_.settle(rays, scratch_.hits, scratch_.crossings, visits());
-        geometry::prefetchSurfaces(stage_.world.primitives, scratch_.hits);
-        scratch_.front->met.clear();
-    }
-
-    /// scratch_.occluded of scratch_.shadowRays.
-    void occluded() {
-        const auto& rays = scratch_.shadowRays;
-        scratch_.occluded.resize(rays.size());
+    void occluded(std::span<const geometry::Ray> rays, std::span<std::uint8_t> answers) {
         if constexpr (kFeatures.counting == Counting::rays) {
             for (std::size_t i = 0; i < rays.size(); ++i)
-                scratch_.occluded[i] = stage_.octree.occluded(rays[i], visits());
+                answers[i] = stage_.octree.occluded(rays[i], visits());
         } else {
-            stage_.octree.occluded(rays, scratch_.occluded, octree::Coherence::coherent, visits());
+            stage_.octree.occluded(rays, answers, octree::Coherence::coherent, visits());
         }
     }
 
-    void meet(const Work& work, const geometry::Ray& ray, const geometry::Hit& hit) {
-        if (!hit) {
-            const LinearRgb seen = stage_.background.seenBy(ray);
-            if constexpr (Observer::kActive) observer_.miss(work, seen);
-            return contribute(work, seen);
-        }
-        Front& front = *scratch_.front;
+    /// The front of a batch. Rays to which the same happens come together: what the code below asks of
+    /// each is then foretold.
+    void meet(const Batch& batch) {
+        stage_.settle(batch.rays, batch.hits, scratch_.crossings, visits());
         const auto& primitives = stage_.world.primitives;
-        const geometry::Segment& segment = primitives.segmentOf(hit.id);
-        if (segment.kind == geometry::Kind::sphere && meetSphere(front, work, ray, hit, segment))
-            return;
-        const geometry::Surface surface = geometry::surfaceAt(primitives, ray, hit);
-        if (work.kind == RayKind::primary && startsOn(surface, ray, hit))
-            return meetBeyond(work, ray, surface);
-        encounter(front, work, ray, hit, surface);
+        geometry::prefetchSurfaces(primitives, batch.hits);
+        const std::size_t count = batch.rays.size();
+        const auto segments = room(scratch_.segments, count);
+        const auto ranks = room(scratch_.ranks, count);
+        const auto sorted = room(scratch_.sorted, count);
+        std::array<std::uint32_t, kRanks> end{};
+        for (std::size_t i = 0; i < count; ++i) {
+            std::uint8_t rank = kRankOfMisses;
+            if (batch.hits[i]) {
+                segments[i] = &stage_.segmentOf(batch.hits[i].id);
+                rank = stage_.rankOf(*segments[i], batch.hits[i].id);
+            }
+            ranks[i] = rank;
+            ++end[rank];
+        }
+        std::uint32_t sum = 0;
+        for (std::uint32_t& n : end) sum += std::exchange(n, sum);
+        for (std::uint32_t i = 0; i < count; ++i) sorted[end[ranks[i]]++] = i;
+
+        Front& front = *scratch_.front;
+        front.start(batch);
+        for (std::size_t k = 0, rank = 0; rank < kRankOfMisses; ++rank) {
+            const auto kind = static_cast<geometry::Kind>(rank & kKindOfRank);
+            if (kind == geometry::Kind::sphere)
+                for (; k < end[rank]; ++k) meetSphere(front, sorted[k], *segments[sorted[k]]);
+            else if (kind == geometry::Kind::parallelogram && !stage_.planes.empty())
+                for (; k < end[rank]; ++k)
+                    meetParallelogram(front, sorted[k], *segments[sorted[k]]);
+            else
+                for (; k < end[rank]; ++k) meetOther(front, sorted[k], *segments[sorted[k]]);
+        }
+        for (std::size_t k = end[kRankOfMisses - 1]; k < count; ++k) miss(batch, sorted[k]);
     }
 
-    /// False where the kernel's arithmetic would leave the normal numbers.
-    bool meetSphere(Front& front, const Work& work, const geometry::Ray& ray,
-                    const geometry::Hit& hit, const geometry::Segment& segment) {
+    void miss(const Batch& batch, std::uint32_t i) {
+        const LinearRgb seen = stage_.background.seenBy(batch.rays[i]);
+        if constexpr (Observer::kActive) observer_.miss(batch.works[i], seen);
+        contribute(batch.works[i], seen);
+    }
+
+    void meetSphere(Front& front, std::uint32_t i, const geometry::Segment& segment) {
+        const geometry::Ray& ray = front.batch.rays[i];
+        const geometry::Hit& hit = front.batch.hits[i];
         const geometry::Sphere& sphere =
             geometry::sphereOf(stage_.world.primitives, segment, hit.id);
         const Vec3 fromCenter = (ray.origin - sphere.center) + hit.t * ray.direction;
+        // Else the kernel's arithmetic would leave the normal numbers.
         if (!numeric::bits::isModerate(numeric::bits::maxComponent(numeric::abs(fromCenter))))
-            return false;
-        const std::size_t i = front.met.size();
+            return meetOther(front, i, segment);
         Wave& wave = front.wave;
-        put(wave.direction, i, ray.direction);
-        put(wave.geometric, i, fromCenter);
-        put(wave.center, i, sphere.center);
-        wave.radius.at[i] = sphere.radius;
-        wave.isSphere.at[i] = -1;
-        Encounter& met = front.met.emplace_back();
-        met.work = work;
-        if constexpr (kFeatures.transmission) met.ray = ray;
-        met.hit = hit;
-        met.segment = &segment;
-        met.material = segment.material;
-        met.planar = false;
-        return true;
+        const std::size_t at = front.count;
+        put(wave.geometric, at, fromCenter);
+        put(wave.center, at, sphere.center);
+        wave.radius.at[at] = sphere.radius;
+        wave.isSphere.at[at] = -1;
+        add(front, i, segment, segment.material, geometry::kNoPrimitive);
     }
 
-    void encounter(Front& front, const Work& work, const geometry::Ray& ray,
-                   const geometry::Hit& hit, const geometry::Surface& surface) {
-        const std::size_t i = front.met.size();
+    /// As meetOther, faster.
+    void meetParallelogram(Front& front, std::uint32_t i, const geometry::Segment& segment) {
+        const geometry::Ray& ray = front.batch.rays[i];
+        const geometry::Hit& hit = front.batch.hits[i];
+        const std::uint32_t index = segment.index + static_cast<std::uint32_t>(hit.id) -
+                                    static_cast<std::uint32_t>(segment.first);
+        const geometry::Plane& plane = stage_.planes.data()[index];
+        const double height = std::fabs(hit.t * dot(ray.direction, plane.normal));
+        if (!(height > plane.error)) return meetOther(front, i, segment); // see startsOn
         Wave& wave = front.wave;
-        put(wave.direction, i, ray.direction);
-        put(wave.position, i, surface.position);
-        put(wave.geometric, i, surface.geometricNormal);
-        put(wave.normal, i, surface.shadingNormal);
-        wave.error.at[i] = surface.error;
-        wave.errorBeside.at[i] = std::max(surface.error, stage_.ties.errorBesideOf(surface.id));
-        wave.isSphere.at[i] = 0;
-        Encounter& met = front.met.emplace_back();
-        met.work = work;
-        if constexpr (kFeatures.transmission) met.ray = ray;
-        met.hit = hit;
-        met.uv = surface.uv;
-        met.segment = surface.segment;
-        met.material = surface.material;
-        met.planar = surface.planar;
+        const std::size_t at = front.count;
+        put(wave.position, at,
+            geometry::pointOn(stage_.world.primitives.parallelograms.data()[index], hit));
+        put(wave.geometric, at, plane.normal);
+        put(wave.normal, at, plane.normal);
+        wave.error.at[at] = plane.error;
+        wave.errorBeside.at[at] = std::max(plane.error, stage_.ties.errorBesideOf(hit.id));
+        wave.isSphere.at[at] = 0;
+        front.met[at].uv = {hit.u, hit.v};
+        add(front, i, segment, segment.material, hit.id);
+    }
+
+    void meetOther(Front& front, std::uint32_t i, const geometry::Segment& segment) {
+        const geometry::Ray& ray = front.batch.rays[i];
+        const geometry::Hit& hit = front.batch.hits[i];
+        const geometry::Surface surface =
+            geometry::surfaceAt(stage_.world.primitives, ray, hit, segment);
+        if (front.batch.works[i].depth == 0 && startsOn(surface, ray, hit))
+            meetBeyond(front, i, surface);
+        else
+            encounter(front, i, surface);
+    }
+
+    void encounter(Front& front, std::uint32_t i, const geometry::Surface& surface) {
+        Wave& wave = front.wave;
+        const std::size_t at = front.count;
+        put(wave.position, at, surface.position);
+        put(wave.geometric, at, surface.geometricNormal);
+        put(wave.normal, at, surface.shadingNormal);
+        wave.error.at[at] = surface.error;
+        wave.errorBeside.at[at] = std::max(surface.error, stage_.ties.errorBesideOf(surface.id));
+        wave.isSphere.at[at] = 0;
+        front.met[at].uv = surface.uv;
+        add(front, i, *surface.segment, surface.material,
+            surface.planar ? surface.id : geometry::kNoPrimitive);
+    }
+
+    /// The rest of an encounter.
+    void add(Front& front, std::uint32_t i, const geometry::Segment& segment,
+             geometry::MaterialId id, geometry::PrimitiveId exclude) {
+        const std::size_t at = front.count++;
+        const material::Material& material =
+            stage_.world.materials.data()[static_cast<std::uint32_t>(id)];
+        Encounter& met = front.met[at];
+        met.segment = &segment;
+        met.ray = i;
+        met.material = id;
+        met.coincident = kNoCoincident;
+        Wave& wave = front.wave;
+        put(wave.direction, at, front.batch.rays[i].direction);
+        put(wave.weight, at, front.batch.works[i].weight);
+        put(wave.color, at, material.color);
+        wave.material[at] = &material;
+        wave.exclude.at[at] = static_cast<std::uint32_t>(exclude);
+        const bool transmits = !material.isOpaque();
+        wave.bends.at[at] = -static_cast<std::int64_t>(transmits && segment.solid);
+        if (transmits) front.transmitters = std::min(front.transmitters, at);
+        if (transmits || material.isMirror()) front.senders = std::min(front.senders, at);
+        if constexpr (kFeatures.counting != Counting::none)
+            ++counts_.hits[static_cast<std::size_t>(segment.kind)];
     }
 
     /// An eye in the plane of a face, by its error bound, does not see that face. (A ray that was slid into the scene's
@@ -314,24 +292,24 @@ private:
                hit.t * std::fabs(dot(ray.direction, surface.geometricNormal)) <= surface.error;
     }
 
-    void meetBeyond(const Work& work, const geometry::Ray& ray, const geometry::Surface& surface) {
-        geometry::Ray beyond = geometry::spawnRay(surface, ray.direction);
-        beyond.tMax = ray.tMax;
-        geometry::Hit hit = stage_.octree.closest(beyond, visits());
-        stage_.settle({&beyond, 1}, {&hit, 1}, scratch_.crossings, visits());
-        meet(work, beyond, hit);
+    void meetBeyond(Front& front, std::uint32_t i, const geometry::Surface& surface) {
+        geometry::Ray& ray = front.batch.rays[i];
+        geometry::Hit& hit = front.batch.hits[i];
+        const double tMax = ray.tMax;
+        ray = geometry::spawnRay(surface, ray.direction);
+        ray.tMax = tMax;
+        hit = stage_.octree.closest(ray, visits());
+        stage_.settle({&ray, 1}, {&hit, 1}, scratch_.crossings, visits());
+        if (!hit) return miss(front.batch, i);
+        meetOther(front, i, stage_.world.primitives.segmentOf(hit.id));
     }
 
     /// All that the ray itself adds, when its children have their terms.
     void contribute(const Work& work, const LinearRgb& light) {
         if constexpr (kFeatures.transmission)
-            scratch_.sums.settle(work.sample, work.term, work.weight * light);
+            scratch_.sums.settle(work.term, work.weight * light);
         else // one child at most: they come in order
             scratch_.sums.add(work.sample, work.weight * light);
-    }
-
-    const material::Material& materialOf(const Encounter& met) const {
-        return stage_.world.materials[static_cast<std::uint32_t>(met.material)];
     }
 
     /// The surface of an encounter, from the wave; its error is the doubled one.
@@ -346,12 +324,16 @@ private:
         s.shadingNormal = at(wave.normal, i) * side;
         s.uv = met.uv;
         s.segment = met.segment;
-        s.id = met.hit.id;
+        s.id = front.hitOf(i).id;
         s.object = met.segment->object;
         s.material = met.material;
         s.solid = met.segment->solid;
-        s.planar = met.planar;
+        s.planar = excludeOf(front, i) != geometry::kNoPrimitive;
         return s;
+    }
+
+    static geometry::PrimitiveId excludeOf(const Front& front, std::size_t i) {
+        return static_cast<geometry::PrimitiveId>(front.wave.exclude.at[i]);
     }
 
     Facing facingOf(const Front& front, std::size_t i) const {
@@ -361,131 +343,168 @@ private:
 
     /// Surfaces and their colors.
     void surface(Front& front) {
-        Wave& wave = front.wave;
-        kernel_.face(wave, front.met.size());
-        for (std::size_t i = 0; i < front.met.size(); ++i) {
-            const Encounter& met = front.met[i];
-            const material::Material& material = materialOf(met);
-            if constexpr (kFeatures.counting != Counting::none)
-                ++counts_.hits[static_cast<std::size_t>(met.segment->kind)];
-            LinearRgb color = material.color;
-            if (material.colorTexture) color = colorAt(stage_.world, material, surfaceOf(front, i));
-            put(wave.diffuse, i, color * material.diffuse);
-            put(wave.environment, i, material.environment);
-            put(wave.specular, i, material.specular);
-            put(wave.color, i, color);
-            put(wave.weight, i, met.work.weight);
-            if constexpr (kFeatures.transmission) put(wave.transmission, i, material.transmission);
-            put(wave.light, i, LinearRgb{});
-            if constexpr (Observer::kActive)
-                observer_.hit(met.work, met.hit, facingOf(front, i), material, color);
+        for (std::size_t i = front.count; i % kMostLanes != 0; ++i)
+            front.wave.material[i] = front.wave.material[front.count - 1];
+        kernel_.face(front.wave, front.count);
+        texture(front);
+        if constexpr (Observer::kActive)
+            for (std::size_t i = 0; i < front.count; ++i)
+                observer_.hit(front.workOf(i), front.hitOf(i), facingOf(front, i),
+                              *front.wave.material[i], colorAt(front.wave.color, i));
+    }
+
+    rt_surface_point texturePoint(const Front& front, std::size_t i) const {
+        const Encounter& met = front.met[i];
+        const Vec3 position = at(front.wave.position, i);
+        const Vec3 object = stage_.world.objectPoint(met.segment->object, position);
+        const geometry::Vec2 uv = met.segment->kind == geometry::Kind::sphere
+                                      ? geometry::uvOf(surfaceOf(front, i))
+                                      : met.uv;
+        return {{uv.x, uv.y}, {object.x, object.y, object.z}, {position.x, position.y, position.z}};
+    }
+
+    /// The colors of those that have a texture, run by run.
+    void texture(Front& front) {
+        const material::Material* const* const materials = front.wave.material;
+        for (std::size_t first = 0, end; first < front.count; first = end) {
+            const material::Texture* const texture = materials[first]->colorTexture;
+            for (end = first + 1; end < front.count && materials[end]->colorTexture == texture;)
+                ++end;
+            if (!texture) continue;
+            const std::size_t count = end - first;
+            const auto points = room(scratch_.texturePoints, count);
+            const auto colors = room(scratch_.textureColors, 3 * count);
+            for (std::size_t k = 0; k < count; ++k) points[k] = texturePoint(front, first + k);
+            std::fill(colors.begin(), colors.end(), 0.0);
+            texture->type->evaluate(texture->state, points.data(),
+                                    static_cast<std::uint32_t>(count), colors.data());
+            for (std::size_t k = 0; k < count; ++k) {
+                const double* const rgb = &colors[3 * k];
+                put(front.wave.color, first + k,
+                    materials[first + k]->color * LinearRgb{rgb[0], rgb[1], rgb[2]});
+            }
         }
     }
 
     /// Sums the lights up.
     void shine(Front& front) {
         Wave& wave = front.wave;
-        const std::size_t count = front.met.size();
-        auto& rays = scratch_.shadowRays;
-        auto& toLight = scratch_.toLight;
         for (const Light& light : stage_.lights) {
-            kernel_.aim(wave, count, &light.position.x);
-            rays.resize(count);
-            toLight.resize(count);
-            std::size_t used = 0;
-            for (std::uint32_t i = 0; i < count; ++i) {
-                put(wave.visible, i, LinearRgb{});
-                wave.power.at[i] = 0;
-                toLight[used] = i;
-                used += aim(light, front, i, rays[used]);
-            }
-            rays.resize(used);
-            toLight.resize(used);
-            counts_.shadow += used;
-            occluded();
-            if constexpr (kFeatures.counting != Counting::none)
-                for (const std::uint8_t blocked : scratch_.occluded) counts_.blocked += blocked;
-            for (std::size_t ray = 0; ray < rays.size(); ++ray)
-                see(light, front, toLight[ray], ray);
-            kernel_.add(wave, count);
+            kernel_.aim(wave, front.count, &light.position.x);
+            aim(light, front);
+            see(light, front);
+            kernel_.add(wave, front.count, kFeatures.transmission);
             if constexpr (Observer::kActive)
-                for (const std::uint32_t i : toLight)
-                    observer_.light(front.met[i].work, light, colorAt(wave.visible, i),
+                for (const std::uint32_t i : room(scratch_.toLight, scratch_.shadowCount))
+                    observer_.light(front.workOf(i), light, colorAt(wave.visible, i),
                                     colorAt(wave.added, i));
         }
     }
 
-    /// The shadow ray; false where the light cannot matter.
-    bool aim(const Light& light, const Front& front, std::uint32_t i, geometry::Ray& ray) const {
+    /// The shadow rays, sorted by direction, of the encounters where the light can matter.
+    void aim(const Light& light, const Front& front) {
         const Wave& wave = front.wave;
-        const Encounter& met = front.met[i];
-        const double cosine = wave.cosine.at[i];
-        const Lit lit = stage_.lit[static_cast<std::uint32_t>(met.material)];
-        if (!(cosine > 0 ? lit.front : cosine == 0 && lit.back)) return false;
-        const auto& triangles = stage_.world.primitives.triangles;
-        if (cosine > 0 && met.segment->kind == geometry::Kind::triangle &&
-            !triangles.normalIndices.empty() && at(wave.normal, i) != at(wave.geometric, i)) {
-            geometry::Surface smoothed = surfaceOf(front, i);
-            smoothed.position = smoothPosition(stage_.world.primitives, smoothed, met.hit,
-                                               wave.leaving.at[i] ? -1 : 1);
-            ray = geometry::spawnRayTo(smoothed, light.position);
-        } else {
-            ray = {at(wave.shadowOrigin, i), 1, at(wave.shadowDirection, i),
-                   met.planar ? met.hit.id : geometry::kNoPrimitive};
+        const auto wanted = room(scratch_.sorted, front.count);
+        auto& byDirection = scratch_.shadowsByDirection;
+        byDirection.start();
+        std::size_t count = 0;
+        for (std::uint32_t i = 0; i < front.count; ++i) {
+            const double cosine = wave.cosine.at[i];
+            const Lit lit = stage_.lit.data()[static_cast<std::uint32_t>(front.met[i].material)];
+            const bool matters = ((cosine > 0) & lit.front) | ((cosine == 0) & lit.back);
+            wanted[count] = i;
+            count += matters;
+            byDirection.note(static_cast<std::size_t>(wave.shadow.group.at[i]), matters);
         }
-        stage_.box.clipEnd(ray);
-        return true;
+        counts_.shadow += count;
+        scratch_.shadowCount = count;
+        byDirection.order();
+        geometry::Ray* const rays = room(scratch_.shadowRays, count).data();
+        std::uint32_t* const toLight = room(scratch_.toLight, count).data();
+        const bool anySmooth = !stage_.world.primitives.triangles.normalIndices.empty();
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::uint32_t i = wanted[k];
+            const std::uint32_t to =
+                byDirection.placeIn(static_cast<std::size_t>(wave.shadow.group.at[i]));
+            toLight[to] = i;
+            rays[to] = wave.shadow.ray[i];
+            if (anySmooth && front.met[i].segment->kind == geometry::Kind::triangle)
+                aimSmooth(light, front, i, rays[to]);
+            stage_.box.clipEnd(rays[to]);
+        }
     }
 
-    /// What is seen of the light along its shadow ray, by number.
-    void see(const Light& light, Front& front, std::uint32_t i, std::size_t ray) {
-        Wave& wave = front.wave;
-        LinearRgb visible = light.color;
-        if (scratch_.occluded[ray]) {
-            if constexpr (!kFeatures.transmission) return;
-            visible = filtered(light, scratch_.shadowRays[ray]);
-        }
-        const material::Material& material = materialOf(front.met[i]);
-        const bool behind = wave.cosine.at[i] == 0;
-        if (behind)
-            visible *= material.transmission;
-        else if (wave.halfway.at[i] > 0 && material.isMirror() && !visible.isBlack())
-            wave.power.at[i] = numeric::pow(std::min(wave.halfway.at[i], 1.0), material.shininess);
-        put(wave.visible, i, visible);
+    /// The shadow ray of a surface that is flat but shaded as if it were not.
+    void aimSmooth(const Light& light, const Front& front, std::uint32_t i,
+                   geometry::Ray& ray) const {
+        const Wave& wave = front.wave;
+        const auto& primitives = stage_.world.primitives;
+        if (!(wave.cosine.at[i] > 0) || at(wave.normal, i) == at(wave.geometric, i)) return;
+        geometry::Surface smoothed = surfaceOf(front, i);
+        smoothed.position =
+            smoothPosition(primitives, smoothed, front.hitOf(i), wave.leaving.at[i] ? -1 : 1);
+        ray = geometry::spawnRayTo(smoothed, light.position);
     }
 
-    /// The light's color after all that a shadow ray crosses.
-    LinearRgb filtered(const Light& light, const geometry::Ray& ray) {
-        auto& crossings = scratch_.crossings;
-        crossings.clear();
-        if (!stage_.octree.crossings(ray, stage_.opaque, crossings, visits())) return {};
-        LinearRgb color = light.color;
-        for (const geometry::Crossing& crossing : crossings) {
-            const auto id = geometry::materialOf(stage_.world.primitives, crossing.id);
-            color *= stage_.world.materials[static_cast<std::uint32_t>(id)].transmission;
+    /// What is seen of the light along its shadow rays.
+    void see(const Light& light, Front& front) {
+        const std::span<const geometry::Ray> rays = room(scratch_.shadowRays, scratch_.shadowCount);
+        const auto blocked = room(scratch_.occluded, rays.size());
+        scratch_.shadowsByDirection.forEachGroup([&](std::size_t first, std::size_t count) {
+            const auto some = rays.subspan(first, count);
+            if constexpr (kFeatures.transmission)
+                seeThrough(light, front, first, some);
+            else
+                occluded(some, blocked.subspan(first, count));
+        });
+        if constexpr (kFeatures.transmission) return;
+        const LinearRgb seen[2] = {light.color, {}};
+        for (std::size_t k = 0; k < rays.size(); ++k) {
+            if constexpr (kFeatures.counting != Counting::none) counts_.blocked += blocked[k];
+            put(front.wave.visible, scratch_.toLight.data()[k], seen[blocked[k]]);
         }
-        return color;
     }
 
-    /// The surfaces are lit: sends off what they reflect and refract.
+    /// The light's color after all that some shadow rays, from number `first` on, cross.
+    void seeThrough(const Light& light, Front& front, std::size_t first,
+                    std::span<const geometry::Ray> rays) {
+        if constexpr (kFeatures.counting == Counting::rays)
+            if (rays.size() > 1) {
+                for (std::size_t i = 0; i < rays.size(); ++i)
+                    seeThrough(light, front, first + i, rays.subspan(i, 1));
+                return;
+            }
+        octree::CrossingLists& crossed = scratch_.crossed;
+        stage_.octree.crossings(rays, stage_.opaque, crossed, visits());
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const bool ended = crossed.isEnded(i);
+            LinearRgb visible = ended ? LinearRgb{} : light.color;
+            for (const geometry::Crossing& crossing : crossed.of(i)) {
+                const auto id = geometry::materialOf(stage_.world.primitives, crossing.id);
+                visible *= stage_.world.materials[static_cast<std::uint32_t>(id)].transmission;
+            }
+            if constexpr (kFeatures.counting != Counting::none)
+                counts_.blocked += ended || !crossed.of(i).empty();
+            put(front.wave.visible, scratch_.toLight.data()[first + i], visible);
+        }
+    }
+
+    /// The surfaces are lit: notes what they reflect and refract.
     void leave(Front& front) {
         Wave& wave = front.wave;
-        const std::size_t count = front.met.size();
-        bool sends = false, transmits = false;
-        for (std::size_t i = 0; i < count; ++i) {
-            const material::Material& material = materialOf(front.met[i]);
-            sends |= material.isMirror();
-            if constexpr (kFeatures.transmission) {
-                transmits |= !material.isOpaque();
-                prepareToBend(front, i, material);
+        const std::size_t count = front.count;
+        const bool transmits = front.transmitters < count;
+        if constexpr (kFeatures.transmission)
+            if (transmits) {
+                kernel_.bend(wave, front.transmitters, count);
+                if (stage_.anyMayCoincide)
+                    for (std::size_t i = front.transmitters; i < count; ++i) coincide(front, i);
+                kernel_.refract(wave, front.transmitters, count);
             }
-        }
-        if (transmits) kernel_.refract(wave, count);
-        if (sends || transmits) kernel_.mirror(wave, count, transmits);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Encounter& met = front.met[i];
-            const material::Material& material = materialOf(met);
-            OrderedSums::Term last = met.work.term;
+        if (front.senders < count) kernel_.mirror(wave, front.senders, count, transmits);
+        for (std::size_t i = front.senders; i < count; ++i) {
+            const material::Material& material = *wave.material[i];
+            OrderedSums::Term last = front.workOf(i).term;
             bool mirrors = material.isMirror();
             if constexpr (kFeatures.transmission)
                 if (!material.isOpaque()) {
@@ -495,100 +514,146 @@ private:
                         mirrors = true;
                 }
             if (mirrors) reflect(front, i, last);
-            contribute(met.work, colorAt(wave.light, i));
         }
+        for (std::size_t i = 0; i < count; ++i) contribute(front.workOf(i), colorAt(wave.light, i));
     }
 
     /// Its term goes behind `last`.
     void reflect(const Front& front, std::size_t i, OrderedSums::Term last) {
-        const Encounter& met = front.met[i];
-        const Wave& wave = front.wave;
-        Work child;
-        child.kind = RayKind::reflected;
-        child.weight = colorAt(wave.mirroredWeight, i);
-        if (!admit(met.work, child)) return;
-        if constexpr (kFeatures.transmission) child.term = scratch_.sums.after(last);
-        push(child, {at(wave.mirroredOrigin, i), numeric::kInfinity, at(wave.mirrored, i),
-                     met.planar ? met.hit.id : geometry::kNoPrimitive});
+        Child* const child = admit(front, i, RayKind::reflected);
+        if (!child) return;
+        ++counts_.reflected;
+        if constexpr (kFeatures.transmission) child->term = scratch_.sums.after(last);
+        note(front, *child);
     }
 
-    /// The ratio of indices at a surface, and what coincides with it.
-    void prepareToBend(Front& front, std::size_t i, const material::Material& material) {
+    /// What coincides with a surface that may let light through.
+    void coincide(Front& front, std::size_t i) {
         Encounter& met = front.met[i];
         Wave& wave = front.wave;
-        met.coincident = kNone;
-        wave.ratio.at[i] = 1;
-        wave.refractedError.at[i] = wave.error.at[i];
-        if (material.isOpaque()) return;
-        if (met.segment->solid)
-            wave.ratio.at[i] = wave.leaving.at[i] ? material.ior : 1 / material.ior;
-        if (!stage_.mayCoincide[static_cast<std::uint32_t>(met.segment->object)]) return;
+        if (wave.material[i]->isOpaque() ||
+            !stage_.mayCoincide[static_cast<std::uint32_t>(met.segment->object)])
+            return;
         met.coincident = scratch_.coincidents++;
         if (met.coincident == scratch_.coincident.size()) scratch_.coincident.emplace_back();
         Coincident& also = scratch_.coincident[met.coincident];
-        findCoincident(stage_, met.ray, met.hit, surfaceOf(front, i), scratch_.crossings, also,
-                       visits());
+        findCoincident(stage_, front.rayOf(i), front.hitOf(i), surfaceOf(front, i),
+                       scratch_.crossings, also, visits());
         wave.ratio.at[i] *= also.indexRatio;
         if (also.opaque) wave.ratio.at[i] = 1; // in contact: nothing between that could bend it
         wave.refractedError.at[i] += also.error;
     }
 
-    /// `last` becomes the term behind which that of the mirrored ray goes: the refracted ray's own comes
-    /// after that and its children's, but the light of an opaque surface in contact comes first.
-    void transmit(const Front& front, std::size_t i, OrderedSums::Term& last) {
-        const Encounter& met = front.met[i];
-        const Wave& wave = front.wave;
+    /// `last` becomes the term behind which that of the mirrored ray goes.
+    void transmit(Front& front, std::size_t i, OrderedSums::Term& last) {
+        const std::uint32_t number = front.met[i].coincident;
         const Coincident* const also =
-            met.coincident == kNone ? nullptr : &scratch_.coincident[met.coincident];
-        Work child;
-        child.kind = RayKind::refracted;
-        child.weight = colorAt(wave.refractedWeight, i);
-        if (also) child.weight *= also->filter;
-        if (!admit(met.work, child)) return;
-        const geometry::Ray ray{at(wave.refractedOrigin, i), numeric::kInfinity,
-                                at(wave.refracted, i),
-                                met.planar ? met.hit.id : geometry::kNoPrimitive};
-        child.term = scratch_.sums.after(last);
-        if constexpr (Observer::kActive) observer_.transmitted(child, facingOf(front, i), also);
-        if (!also || !also->opaque) return push(child, ray);
-        if constexpr (Observer::kActive) observer_.starts(child, ray);
-        geometry::Surface end = *also->opaque;
-        end.error += wave.refractedError.at[i];
+            number == kNoCoincident ? nullptr : &scratch_.coincident[number];
+        Columns& weights = front.wave.refractedWeight;
+        if (also) put(weights, i, colorAt(weights, i) * also->filter);
+        Child* const child = admit(front, i, RayKind::refracted);
+        if (!child) return;
+        child->term = scratch_.sums.after(last);
+        if constexpr (Observer::kActive)
+            observer_.transmitted(child->node, facingOf(front, i), also);
+        if (also && also->opaque) return touch(front, *child, *also, last);
+        ++counts_.refracted;
+        note(front, *child);
+    }
+
+    /// Sees the opaque surface that a transparent one touches. The refracted ray's term comes after the
+    /// mirrored one's and its children's, but the light of an opaque surface in contact comes first.
+    [[gnu::noinline]] void touch(const Front& front, const Child& child, const Coincident& also,
+                                 OrderedSums::Term& last) {
+        Work work;
+        geometry::Ray ray;
+        write(front, child, work, ray);
+        if constexpr (Observer::kActive) observer_.starts(work.node, ray);
+        geometry::Surface end = *also.opaque;
+        end.error += front.wave.refractedError.at[child.encounter];
+        geometry::Hit hit = also.opaqueHit;
         Front& contact = *scratch_.contact;
-        contact.met.clear();
-        encounter(contact, child, ray, also->opaqueHit, end);
+        contact.start({{&work, 1}, {&ray, 1}, {&hit, 1}});
+        encounter(contact, 0, end);
         surface(contact);
         shine(contact);
         leave(contact);
-        last = child.term;
+        last = work.term;
     }
 
-    /// Is the child worth a ray?
-    bool admit(const Work& parent, Work& child) {
-        child.depth = parent.depth + 1;
-        child.sample = parent.sample;
+    /// The next child, if it is worth a ray.
+    Child* admit(const Front& front, std::size_t i, RayKind kind) {
+        const Work& parent = front.workOf(i);
+        const LinearRgb weight = weightOf(front, kind, i);
+        const std::uint32_t depth = parent.depth + 1;
         Fate fate = Fate::traced;
-        if (child.weight.isBlack()) {
+        if (weight.isBlack()) {
             fate = Fate::nothingToAdd;
-        } else if (child.depth > stage_.depth) {
+        } else if (depth > stage_.depth) {
             fate = Fate::cutByDepth;
             ++counts_.cutByDepth;
-            counts_.lostByDepth += child.weight.maxComponent();
-        } else if (child.weight.maxComponent() < stage_.cutoff) {
+            counts_.lostByDepth += weight.maxComponent();
+        } else if (weight.maxComponent() < stage_.cutoff) {
             fate = Fate::cutByContribution;
             ++counts_.cutByContribution;
         }
-        if constexpr (Observer::kActive) child.node = observer_.child(parent, child, fate);
-        return fate == Fate::traced;
+        Child& child = scratch_.children.data()[scratch_.childCount];
+        child.encounter = static_cast<std::uint32_t>(i);
+        child.depth = depth;
+        child.sample = parent.sample;
+        child.kind = kind;
+        child.ofContact = false;
+        if constexpr (Observer::kActive)
+            child.node = observer_.child(parent, depth, weight, kind, fate);
+        return fate == Fate::traced ? &child : nullptr;
     }
 
-    void push(const Work& child, geometry::Ray ray) {
-        ++(child.kind == RayKind::reflected ? counts_.reflected : counts_.refracted);
+    /// It will be sent off.
+    void note(const Front& front, Child& child) {
         counts_.deepest = std::max(counts_.deepest, child.depth);
-        stage_.box.clipEnd(ray);
-        if constexpr (Observer::kActive) observer_.starts(child, ray);
-        scratch_.pending.push_back(child);
-        scratch_.pendingRays.push_back(ray);
+        child.group = static_cast<std::uint8_t>(leavingOf(front, child).group.at[child.encounter]);
+        scratch_.childrenByDirection.note(child.group);
+        if (&front == scratch_.contact.get()) {
+            auto& [work, ray] = scratch_.ofContacts.emplace_back();
+            write(front, child, work, ray);
+            child.encounter = static_cast<std::uint32_t>(scratch_.ofContacts.size() - 1);
+            child.ofContact = true;
+        }
+        ++scratch_.childCount;
+    }
+
+    static const Leaving& leavingOf(const Front& front, const Child& child) {
+        return child.kind == RayKind::reflected ? front.wave.mirrored : front.wave.refracted;
+    }
+    static LinearRgb weightOf(const Front& front, RayKind kind, std::size_t i) {
+        return colorAt(
+            kind == RayKind::reflected ? front.wave.mirroredWeight : front.wave.refractedWeight, i);
+    }
+
+    static void write(const Front& front, const Child& child, Work& work, geometry::Ray& ray) {
+        work.weight = weightOf(front, child.kind, child.encounter);
+        work.depth = child.depth;
+        work.sample = child.sample;
+        work.term = child.term;
+        work.node = child.node;
+        ray = leavingOf(front, child).ray[child.encounter];
+    }
+
+    /// What was noted. The batch is gone then: its rays' places are taken.
+    void sendOff(const Front& front) {
+        const Child* const children = scratch_.children.data();
+        scratch_.pending.push(
+            scratch_.childCount, scratch_.childrenByDirection,
+            [&](std::size_t k) { return children[k].group; },
+            [&](std::size_t k, Work& work, geometry::Ray& ray) {
+                if (children[k].ofContact) [[unlikely]]
+                    std::tie(work, ray) = scratch_.ofContacts[children[k].encounter];
+                else
+                    write(front, children[k], work, ray);
+                stage_.box.clipEnd(ray);
+                if constexpr (Observer::kActive) observer_.starts(work.node, ray);
+            });
+        scratch_.ofContacts.clear();
     }
 
     const Stage& stage_;

@@ -9,12 +9,19 @@ struct Checker {
     rt::Vector3 scale;
     Space space;
 
+    /// std::floor, without a call.
+    static double floorOf(double x) {
+        if (!(std::fabs(x) < 0x1p52)) return x; // an integer, or NaN
+        const auto truncated = static_cast<double>(static_cast<std::int64_t>(x));
+        return truncated > x ? truncated - 1 : truncated;
+    }
+
     rt::Color at(const rt_surface_point& p) const {
         const double* x = space == Space::object ? p.object : p.world;
-        double cell = std::floor((space == Space::uv ? p.uv[0] : x[0]) * scale.x) +
-                      std::floor((space == Space::uv ? p.uv[1] : x[1]) * scale.y);
-        if (space != Space::uv) cell += std::floor(x[2] * scale.z);
-        const bool even = cell == 2 * std::floor(cell / 2);
+        double cell = floorOf((space == Space::uv ? p.uv[0] : x[0]) * scale.x) +
+                      floorOf((space == Space::uv ? p.uv[1] : x[1]) * scale.y);
+        if (space != Space::uv) cell += floorOf(x[2] * scale.z);
+        const bool even = cell == 2 * floorOf(cell / 2);
         const rt::TextureReference& texture = even ? textureA : textureB;
         const rt::Color color = even ? a : b;
         return texture ? color * texture.at(p) : color;

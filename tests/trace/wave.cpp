@@ -1,17 +1,22 @@
 #include <core/geometry/surface.hpp>
+#include <core/numeric/elementary.hpp>
 #include <core/octree/octree.hpp>
 #include <core/trace/direction.hpp>
 #include <core/trace/wave.hpp>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <random>
+#include <vector>
 
 namespace rt::trace {
 namespace {
 
 using geometry::Surface;
+using numeric::LinearRgb;
 using octree::Octree;
 using octree::Simd;
 
@@ -66,6 +71,9 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         std::mt19937_64 random(7);
         std::vector<Met> mets;
         const auto wave = std::make_unique<Wave>();
+        material::Material glass;
+        glass.ior = kIndex;
+        std::fill_n(wave->material, kColumn, &glass);
         for (std::size_t i = 0; i < kCount; ++i) {
             const Met& met = mets.emplace_back(random);
             const geometry::Sphere& sphere = met.primitives.spheres[0];
@@ -75,15 +83,15 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
             put(wave->center, i, sphere.center);
             wave->radius.at[i] = sphere.radius;
             wave->isSphere.at[i] = -1;
+            wave->bends.at[i] = -1;
+            wave->exclude.at[i] = static_cast<std::uint32_t>(i % 2 ? geometry::kNoPrimitive
+                                                                   : geometry::PrimitiveId(i));
         }
         level.kernel.face(*wave, kCount);
-        for (std::size_t i = 0; i < kCount; ++i) {
-            wave->ratio.at[i] = mets[i].leaving ? kIndex : 1 / kIndex;
-            wave->refractedError.at[i] = wave->error.at[i];
-        }
         level.kernel.aim(*wave, kCount, &light.x);
-        level.kernel.refract(*wave, kCount);
-        level.kernel.mirror(*wave, kCount, true);
+        level.kernel.bend(*wave, 0, kCount);
+        level.kernel.refract(*wave, 0, kCount);
+        level.kernel.mirror(*wave, 0, kCount, true);
 
         std::size_t total = 0, behind = 0;
         for (std::size_t i = 0; i < kCount; ++i) {
@@ -93,10 +101,14 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
             ASSERT_EQ(at(wave->normal, i), met.normal());
             ASSERT_EQ(wave->error.at[i], met.surface.error);
             ASSERT_EQ(wave->leaving.at[i] != 0, met.leaving);
+            ASSERT_EQ(wave->ratio.at[i], met.leaving ? kIndex : 1 / kIndex);
 
             const geometry::Ray toLight = geometry::spawnRayTo(met.surface, light);
-            ASSERT_EQ(at(wave->shadowOrigin, i), toLight.origin);
-            ASSERT_EQ(at(wave->shadowDirection, i), toLight.direction);
+            const geometry::Ray& shadow = wave->shadow.ray[i];
+            ASSERT_EQ(shadow.origin, toLight.origin);
+            ASSERT_EQ(shadow.direction, toLight.direction);
+            ASSERT_EQ(shadow.tMax, 1);
+            ASSERT_EQ(static_cast<std::int64_t>(shadow.exclude), wave->exclude.at[i]);
             const Vec3 apart = light - met.surface.position;
             const Vec3 direction = apart / std::sqrt(dot(apart, apart));
             const double cosine = dot(direction, met.normal());
@@ -111,18 +123,73 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
             total += !bent;
             if (bent) {
                 const Vec3 out = -intoHemisphere(-*bent, met.normal());
-                ASSERT_EQ(at(wave->refracted, i), out);
-                ASSERT_EQ(at(wave->refractedOrigin, i),
+                ASSERT_EQ(wave->refracted.ray[i].direction, out);
+                ASSERT_EQ(wave->refracted.ray[i].origin,
                           geometry::spawnRay(met.surface, out).origin);
             }
             const Vec3 mirrored =
                 intoHemisphere(reflected(met.ray.direction, met.normal()), met.normal());
-            ASSERT_EQ(at(wave->mirrored, i), mirrored);
-            ASSERT_EQ(at(wave->mirroredOrigin, i),
+            ASSERT_EQ(wave->mirrored.ray[i].direction, mirrored);
+            ASSERT_EQ(wave->mirrored.ray[i].origin,
                       geometry::spawnRay(met.surface, mirrored).origin);
         }
         EXPECT_GT(total, 0u);
         EXPECT_GT(behind, 0u);
+    }
+}
+
+/// What is added for a light, the highlight's power included.
+TEST(Wave, addsLightAsTheScalarCodeAtEverySimdLevel) {
+    constexpr std::size_t kCount = 253;
+    for (const Level& level : kLevels) {
+        if (!Octree::supports(level.simd)) continue;
+        SCOPED_TRACE(level.name);
+        std::mt19937_64 random(11);
+        std::uniform_real_distribution<double> share(0, 1);
+        const auto vector = [&] { return Vec3{share(random), share(random), share(random)}; };
+        const auto color = [&] { return LinearRgb{share(random), share(random), share(random)}; };
+        std::vector<material::Material> materials(kColumn);
+        const auto wave = std::make_unique<Wave>();
+        for (std::size_t i = 0; i < kColumn; ++i) {
+            material::Material& m = materials[i];
+            for (LinearRgb* c : {&m.diffuse, &m.environment, &m.specular, &m.transmission})
+                *c = color();
+            if (i % 5 == 0) m.specular = {};
+            m.shininess = i % 13 ? std::exp(12 * share(random)) : i % 2 ? 0 : 1e300;
+            // Some neighbours have one material, others have not.
+            wave->material[i] = &materials[i / 32 % 2 ? i : i / 32 * 32 + 1];
+        }
+        for (std::size_t i = 0; i < kCount; ++i) {
+            for (Columns* c : {&wave->color, &wave->visible, &wave->light}) put(*c, i, vector());
+            if (i % 7 == 0) put(wave->visible, i, Vec3(0.0));
+            wave->cosine.at[i] = i % 3 ? share(random) : 0;
+            // Powers from 1 to 0, by way of subnormal ones, and of subnormal numbers.
+            wave->halfway.at[i] = i % 11 ? share(random) : i % 2 ? 1 : 1e-310;
+        }
+        const auto before = std::make_unique<Wave>(*wave);
+        level.kernel.add(*wave, kCount, true);
+        std::size_t shining = 0, vanishing = 0;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const double cosine = before->cosine.at[i];
+            const material::Material& m = *wave->material[i];
+            const auto vec = [](const LinearRgb& c) { return Vec3{c.r, c.g, c.b}; };
+            Vec3 visible = at(before->visible, i);
+            if (cosine == 0) visible *= vec(m.transmission);
+            double power = 0;
+            if (cosine > 0 && m.isMirror() && visible != Vec3(0.0)) {
+                power = numeric::pow(before->halfway.at[i], m.shininess);
+                ++shining;
+                vanishing += power < 1e-300;
+            }
+            const Vec3 added = (vec(m.environment) * visible +
+                                at(before->color, i) * vec(m.diffuse) * cosine * visible) +
+                               vec(m.specular) * power * visible;
+            ASSERT_EQ(at(wave->visible, i), visible);
+            ASSERT_EQ(at(wave->added, i), added) << i;
+            ASSERT_EQ(at(wave->light, i), at(before->light, i) + added);
+        }
+        EXPECT_GT(shining, vanishing + 50);
+        EXPECT_GT(vanishing, 20u);
     }
 }
 
