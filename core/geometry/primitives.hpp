@@ -93,7 +93,18 @@ struct Primitives {
                    : static_cast<std::uint32_t>(segments.back().first) + segments.back().count;
     }
     /// The segment that holds `id`. Precondition: id < count().
-    const Segment& segmentOf(PrimitiveId id) const;
+    const Segment& segmentOf(PrimitiveId id) const {
+        // Where all before it are single primitives, as spheres are, an id is the number of its segment.
+        const auto number = static_cast<std::uint32_t>(id);
+        if (number < segments.size()) {
+            const Segment& segment = segments.data()[number];
+            if (segment.first == id && segment.count > 0) return segment;
+        }
+        return segments.size() == 1 ? segments.front() : searchedSegmentOf(id);
+    }
+
+private:
+    const Segment& searchedSegmentOf(PrimitiveId id) const;
 };
 
 } // namespace rt::geometry

@@ -46,9 +46,7 @@ struct Cell {
 
 /// Index of a primitive in the array of its kind.
 inline std::uint32_t indexInKind(const geometry::Primitives& primitives, std::uint32_t id) {
-    const auto& segments = primitives.segments;
-    const auto& segment =
-        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
+    const auto& segment = primitives.segmentOf(geometry::PrimitiveId{id});
     return segment.index + id - static_cast<std::uint32_t>(segment.first);
 }
 

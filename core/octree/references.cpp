@@ -252,9 +252,7 @@ bool inOctreeSpace(const Box3d& box, const double center[3], double scale, float
 
 bool referenceOf(const Primitives& primitives, std::uint32_t id, const double center[3],
                  double scale, Reference& reference) {
-    const auto& segments = primitives.segments;
-    const auto& segment =
-        segments.size() == 1 ? segments[0] : primitives.segmentOf(geometry::PrimitiveId{id});
+    const auto& segment = primitives.segmentOf(geometry::PrimitiveId{id});
     const std::uint32_t index = segment.index + id - static_cast<std::uint32_t>(segment.first);
     Least least;
     if (!boundsOf(primitives, segment.kind, index, least)) return false;

@@ -2,7 +2,7 @@
 #pragma once
 #include <core/geometry/ray.hpp>
 #include <core/numeric/colour.hpp>
-#include <core/trace/by_direction.hpp>
+#include <core/trace/groups.hpp>
 #include <core/trace/ordered_sums.hpp>
 #include <core/trace/wave.hpp>
 

@@ -43,16 +43,6 @@ struct Stage {
                     lowestOfTied(octree, world.primitives, ties, rays[i], hits[i], scratch, visits);
     }
 
-    /// primitives.segmentOf, without a call where it is plain.
-    const geometry::Segment& segmentOf(geometry::PrimitiveId id) const {
-        const auto& segments = world.primitives.segments;
-        const auto number = static_cast<std::uint32_t>(id);
-        if (number < segments.size()) {
-            const geometry::Segment& segment = segments.data()[number];
-            if (segment.first == id && segment.count == 1) return segment;
-        }
-        return world.primitives.segmentOf(id);
-    }
     std::uint8_t rankOf(const geometry::Segment& segment, geometry::PrimitiveId id) const {
         const auto material = geometry::materialOf(world.primitives, segment, id);
         return ranks.data()[static_cast<std::uint32_t>(material)] |

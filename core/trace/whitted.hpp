@@ -27,7 +27,6 @@
 #include <core/trace/wave.hpp>
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <tuple>
 
@@ -125,9 +124,11 @@ private:
     void tracePending() {
         const auto [rays, works, groups] = scratch_.pending.take();
         const auto hits = room(scratch_.hits, rays.size());
-        forEachRun(groups, [&, rays = rays](std::size_t first, std::size_t count) {
-            closest(rays.subspan(first, count), hits.subspan(first, count));
-        });
+        forEachRun(
+            rays.size(), [groups = groups](std::size_t i) { return groups[i]; },
+            [&, rays = rays](std::size_t first, std::size_t count) {
+                closest(rays.subspan(first, count), hits.subspan(first, count));
+            });
         meet({works, rays, hits});
     }
 
@@ -159,33 +160,34 @@ private:
         const auto segments = room(scratch_.segments, count);
         const auto ranks = room(scratch_.ranks, count);
         const auto sorted = room(scratch_.sorted, count);
-        std::array<std::uint32_t, kRanks> end{};
+        Groups<kRanks> byRank;
+        byRank.start();
         for (std::size_t i = 0; i < count; ++i) {
             std::uint8_t rank = kRankOfMisses;
             if (batch.hits[i]) {
-                segments[i] = &stage_.segmentOf(batch.hits[i].id);
+                segments[i] = &primitives.segmentOf(batch.hits[i].id);
                 rank = stage_.rankOf(*segments[i], batch.hits[i].id);
             }
             ranks[i] = rank;
-            ++end[rank];
+            byRank.note(rank);
         }
-        std::uint32_t sum = 0;
-        for (std::uint32_t& n : end) sum += std::exchange(n, sum);
-        for (std::uint32_t i = 0; i < count; ++i) sorted[end[ranks[i]]++] = i;
+        byRank.order();
+        for (std::uint32_t i = 0; i < count; ++i) sorted[byRank.placeIn(ranks[i])] = i;
 
         Front& front = *scratch_.front;
         front.start(batch);
-        for (std::size_t k = 0, rank = 0; rank < kRankOfMisses; ++rank) {
+        byRank.forEachGroup([&](std::size_t rank, std::size_t first, std::size_t size) {
+            const std::span<const std::uint32_t> rays = sorted.subspan(first, size);
             const auto kind = static_cast<geometry::Kind>(rank & kKindOfRank);
-            if (kind == geometry::Kind::sphere)
-                for (; k < end[rank]; ++k) meetSphere(front, sorted[k], *segments[sorted[k]]);
+            if (rank == kRankOfMisses)
+                for (const std::uint32_t i : rays) miss(batch, i);
+            else if (kind == geometry::Kind::sphere)
+                for (const std::uint32_t i : rays) meetSphere(front, i, *segments[i]);
             else if (kind == geometry::Kind::parallelogram && !stage_.planes.empty())
-                for (; k < end[rank]; ++k)
-                    meetParallelogram(front, sorted[k], *segments[sorted[k]]);
+                for (const std::uint32_t i : rays) meetParallelogram(front, i, *segments[i]);
             else
-                for (; k < end[rank]; ++k) meetOther(front, sorted[k], *segments[sorted[k]]);
-        }
-        for (std::size_t k = end[kRankOfMisses - 1]; k < count; ++k) miss(batch, sorted[k]);
+                for (const std::uint32_t i : rays) meetOther(front, i, *segments[i]);
+        });
     }
 
     void miss(const Batch& batch, std::uint32_t i) {
@@ -366,12 +368,10 @@ private:
     /// The colors of those that have a texture, run by run.
     void texture(Front& front) {
         const material::Material* const* const materials = front.wave.material;
-        for (std::size_t first = 0, end; first < front.count; first = end) {
-            const material::Texture* const texture = materials[first]->colorTexture;
-            for (end = first + 1; end < front.count && materials[end]->colorTexture == texture;)
-                ++end;
-            if (!texture) continue;
-            const std::size_t count = end - first;
+        const auto textureOf = [materials](std::size_t i) { return materials[i]->colorTexture; };
+        forEachRun(front.count, textureOf, [&](std::size_t first, std::size_t count) {
+            const material::Texture* const texture = textureOf(first);
+            if (!texture) return;
             const auto points = room(scratch_.texturePoints, count);
             const auto colors = room(scratch_.textureColors, 3 * count);
             for (std::size_t k = 0; k < count; ++k) points[k] = texturePoint(front, first + k);
@@ -383,7 +383,7 @@ private:
                 put(front.wave.color, first + k,
                     materials[first + k]->color * LinearRgb{rgb[0], rgb[1], rgb[2]});
             }
-        }
+        });
     }
 
     /// Sums the lights up.
@@ -450,13 +450,14 @@ private:
     void see(const Light& light, Front& front) {
         const std::span<const geometry::Ray> rays = room(scratch_.shadowRays, scratch_.shadowCount);
         const auto blocked = room(scratch_.occluded, rays.size());
-        scratch_.shadowsByDirection.forEachGroup([&](std::size_t first, std::size_t count) {
-            const auto some = rays.subspan(first, count);
-            if constexpr (kFeatures.transmission)
-                seeThrough(light, front, first, some);
-            else
-                occluded(some, blocked.subspan(first, count));
-        });
+        scratch_.shadowsByDirection.forEachGroup(
+            [&](std::size_t, std::size_t first, std::size_t count) {
+                const auto some = rays.subspan(first, count);
+                if constexpr (kFeatures.transmission)
+                    seeThrough(light, front, first, some);
+                else
+                    occluded(some, blocked.subspan(first, count));
+            });
         if constexpr (kFeatures.transmission) return;
         const LinearRgb seen[2] = {light.color, {}};
         for (std::size_t k = 0; k < rays.size(); ++k) {

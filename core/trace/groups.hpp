@@ -1,4 +1,4 @@
-// Rays in groups that the octree traces together: groupOf in wave.inl.
+// Rays in groups, sorted by counting.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -6,10 +6,8 @@
 
 namespace rt::trace {
 
-inline constexpr std::size_t kGroups = 24;
-
 /// Gives rays places, group by group: first each is noted, then each gets its place.
-class ByDirection {
+template <std::size_t kGroups> class Groups {
 public:
     void start() { next_.fill(0); }
     /// `wanted`: 1, or 0 for none.
@@ -21,11 +19,12 @@ public:
     }
     /// As often as the group was noted.
     std::uint32_t placeIn(std::size_t group) { return next_[group]++; }
-    /// Calls visit(first, count) for the places of each group that has any, when all were asked for.
+    /// Calls visit(group, first, count) for the places of each that has any, when all were asked for.
     template <class Visit> void forEachGroup(const Visit& visit) const {
         std::uint32_t first = 0;
-        for (const std::uint32_t end : next_) {
-            if (end > first) visit(first, end - first);
+        for (std::size_t group = 0; group < kGroups; ++group) {
+            const std::uint32_t end = next_[group];
+            if (end > first) visit(group, first, end - first);
             first = end;
         }
     }
@@ -34,10 +33,15 @@ private:
     std::array<std::uint32_t, kGroups> next_; // by group: first its size, then its next place
 };
 
-/// Calls visit(first, count) for each run of equal groups.
-template <class Groups, class Visit> void forEachRun(const Groups& groups, const Visit& visit) {
-    for (std::size_t first = 0, end; first < groups.size(); first = end) {
-        for (end = first + 1; end < groups.size() && groups[end] == groups[first];) ++end;
+/// The groups that the octree traces together: groupOf in wave.inl.
+using ByDirection = Groups<24>;
+
+/// Calls visit(first, count) for each run of equal keyOf(i), i < size.
+template <class KeyOf, class Visit>
+void forEachRun(std::size_t size, const KeyOf& keyOf, const Visit& visit) {
+    for (std::size_t first = 0, end; first < size; first = end) {
+        const auto key = keyOf(first);
+        for (end = first + 1; end < size && keyOf(end) == key;) ++end;
         visit(first, end - first);
     }
 }
