@@ -77,8 +77,7 @@ public:
     std::uint32_t root(std::uint32_t count) {
         std::vector<Box> parts((count + kChunk - 1) / kChunk);
         overChunks(0, count, [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
-            for (std::uint32_t k = first; k < last; ++k)
-                parts[i].add(lowerOf(references_[k]), upperOf(references_[k]));
+            for (std::uint32_t k = first; k < last; ++k) parts[i].add(boxOf(references_[k]));
         });
         Range all{parts[0], 0, count, 7};
         for (const Box& part : parts) all.box.add(part);

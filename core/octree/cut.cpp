@@ -296,7 +296,7 @@ Cut cheapestCutOfFew(const Range& range, const Centers& centers, const Reference
             a, kMost, count, count,
             [&](int i) { // unused ones repeat the last
                 const Reference& r = first[sorted[a][std::min(i, count - 1)] & 15];
-                return Box{lowerOf(r), upperOf(r)};
+                return boxOf(r);
             },
             [](int i) { return _mm_add_epi32(_mm_set1_epi32(i), _mm_setr_epi32(0, 1, 2, 3)); },
             [&](int i) {
@@ -343,7 +343,7 @@ Cut medianCut(const Range& range, const Centers& all, const Reference* from) {
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const bool isBelow = cut.isBelow(from[i]);
         cut.below += isBelow;
-        (isBelow ? cut.belowBox : cut.aboveBox).add(lowerOf(from[i]), upperOf(from[i]));
+        (isBelow ? cut.belowBox : cut.aboveBox).add(boxOf(from[i]));
     }
     return cut;
 }

@@ -14,6 +14,7 @@ inline constexpr std::uint32_t kChunk = 16384; // of references, for parallel pa
 
 inline __m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }
 inline __m128 upperOf(const Reference& r) { return _mm_load_ps(r.upper); }
+inline Box boxOf(const Reference& r) { return {lowerOf(r), upperOf(r)}; }
 inline __m128 twiceCenter(const Reference& r) { return _mm_add_ps(lowerOf(r), upperOf(r)); }
 inline float twiceCenter(const Reference& r, int axis) { return r.lower[axis] + r.upper[axis]; }
 

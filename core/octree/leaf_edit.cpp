@@ -10,8 +10,6 @@ namespace {
 
 using geometry::Vec3;
 
-LeafKind kindOf(std::uint32_t leaf) { return static_cast<LeafKind>(leaf >> kLeafKindShift & 7); }
-
 template <class Block>
 constexpr bool kShares =
     std::is_same_v<Block, SharedBlock> || std::is_same_v<Block, NarrowSharedBlock>;
@@ -20,7 +18,7 @@ constexpr bool kShares =
 template <class AnyTree, class Visit>
 auto onBlock(AnyTree& tree, std::uint32_t leaf, const Visit& visit) {
     const std::uint32_t index = leaf & kLeafIndex;
-    switch (kindOf(leaf)) {
+    switch (kindOfLeaf(leaf)) {
     case kSharedLeaf:
         return visit(tree.shared[index], tree.shared[index].id);
     case kNarrowSharedLeaf:
@@ -155,7 +153,7 @@ template <class Block> TriangleBlock spread(const Block& from, const std::uint32
 } // namespace
 
 bool isTriangles(std::uint32_t leaf) {
-    const LeafKind kind = kindOf(leaf);
+    const LeafKind kind = kindOfLeaf(leaf);
     return kind == kSharedLeaf || kind == kNarrowSharedLeaf || kind == kTriangleLeaf ||
            kind == kNarrowTriangleLeaf;
 }
@@ -191,25 +189,25 @@ bool hasRoom(const Tree& tree, std::uint32_t leaf, const LooseTriangle& triangle
 
 std::uint32_t addTriangle(Tree& tree, Places& places, std::uint32_t leaf,
                           const LooseTriangle& triangle) {
-    if (kindOf(leaf) == kTriangleLeaf) {
+    if (kindOfLeaf(leaf) == kTriangleLeaf) {
         put(tree.triangles[leaf & kLeafIndex], triangle);
         return leaf;
     }
     std::uint8_t at[3];
-    if (kindOf(leaf) == kSharedLeaf) {
+    if (kindOfLeaf(leaf) == kSharedLeaf) {
         SharedBlock& block = tree.shared[leaf & kLeafIndex];
         if (placesOfCorners(block, triangle.corner, at)) {
             put(block, triangle, at);
             return leaf;
         }
-    } else if (kindOf(leaf) == kNarrowSharedLeaf) {
+    } else if (kindOfLeaf(leaf) == kNarrowSharedLeaf) {
         const NarrowSharedBlock& narrow = tree.narrowShared[leaf & kLeafIndex];
         if (placesOfCorners(narrow, triangle.corner, at)) {
             SharedBlock block = widened(narrow, tree.narrowIds.data() + narrow.ids);
             put(block, triangle, at);
             const std::uint32_t place = places.take(kShared);
             tree.shared[place] = block;
-            return kLeaf | std::uint32_t{kSharedLeaf} << kLeafKindShift | place;
+            return leafReference(kSharedLeaf, place);
         }
     }
     TriangleBlock block = onBlock(
@@ -217,7 +215,7 @@ std::uint32_t addTriangle(Tree& tree, Places& places, std::uint32_t leaf,
     put(block, triangle);
     const std::uint32_t place = places.take(kTriangles);
     tree.triangles[place] = block;
-    return kLeaf | std::uint32_t{kTriangleLeaf} << kLeafKindShift | place;
+    return leafReference(kTriangleLeaf, place);
 }
 
 } // namespace rt::octree

@@ -28,10 +28,6 @@ bool sameKind(const Reference* first, std::uint32_t count) {
     return true;
 }
 
-std::uint32_t leafReference(LeafKind kind, std::uint32_t index) {
-    return kLeaf | static_cast<std::uint32_t>(kind) << kLeafKindShift | index;
-}
-
 void clearSpare(TriangleBlock& block) {
     for (auto& word : block.spare) word = 0;
 }
@@ -281,7 +277,7 @@ std::uint32_t countIds(const std::uint32_t (&id)[kLanes]) {
 
 void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids) {
     const std::uint32_t index = reference & kLeafIndex;
-    switch (reference >> kLeafKindShift & 7) {
+    switch (kindOfLeaf(reference)) {
     case kSharedLeaf:
         return addIds(tree.shared[index].id, kSharedLanes, ids);
     case kNarrowSharedLeaf: {
@@ -315,7 +311,7 @@ void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint3
 
 std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference) {
     const std::uint32_t index = reference & kLeafIndex;
-    switch (reference >> kLeafKindShift & 7) {
+    switch (kindOfLeaf(reference)) {
     case kSharedLeaf:
         return static_cast<std::uint32_t>(__builtin_popcount(tree.shared[index].valid));
     case kNarrowSharedLeaf:
@@ -336,7 +332,7 @@ std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference) {
 }
 
 float costOfLeaf(const Tree& tree, std::uint32_t reference) {
-    if ((reference >> kLeafKindShift & 7) != kMixedLeaf) return kBlockCost;
+    if (kindOfLeaf(reference) != kMixedLeaf) return kBlockCost;
     const LeafRecord& leaf = tree.records[reference & kLeafIndex];
     float cost = kBlockCost * static_cast<float>(leaf.triangleBlocks + leaf.sphereBlocks +
                                                  leaf.parallelogramBlocks);

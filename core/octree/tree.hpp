@@ -14,6 +14,13 @@
 
 namespace rt::octree {
 
+inline LeafKind kindOfLeaf(std::uint32_t reference) {
+    return static_cast<LeafKind>(reference >> kLeafKindShift & 7);
+}
+inline std::uint32_t leafReference(LeafKind kind, std::uint32_t index) {
+    return kLeaf | static_cast<std::uint32_t>(kind) << kLeafKindShift | index;
+}
+
 /// A 64-byte aligned array of plain data whose elements start uninitialised.
 template <class T> class Array {
 public:

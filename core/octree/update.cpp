@@ -1,6 +1,7 @@
 #include <core/octree/update.hpp>
 
 #include <core/octree/box.hpp>
+#include <core/octree/cut.hpp>
 #include <core/octree/emit.hpp>
 #include <core/octree/leaf_edit.hpp>
 #include <core/octree/leaves.hpp>
@@ -146,7 +147,7 @@ private:
     void prefetch(std::uint32_t reference) const {
         const std::uint32_t index = reference & kLeafIndex;
         if (!(reference & kLeaf)) return lines(tree_.nodes[reference]);
-        switch (reference >> kLeafKindShift & 7) {
+        switch (kindOfLeaf(reference)) {
         case kSharedLeaf:
             return lines(tree_.shared[index]);
         case kTriangleLeaf:
@@ -372,11 +373,7 @@ private:
                 }
             }
         }
-        alignas(16) float lower[4] = {}, upper[4] = {};
-        if (!inOctreeSpace(bounds, center_, scale_, lower, upper)) return false;
-        box = Box();
-        box.add(_mm_load_ps(lower), _mm_load_ps(upper));
-        if (!(box.area() <= kTurned * before.area())) return false;
+        if (!isBoxed(bounds, box) || !(box.area() <= kTurned * before.area())) return false;
         const int first = __builtin_ctz(known);
         for (int a = 0; a < 3; ++a)
             for (int i = 0; i < kSharedLanes; ++i)
@@ -384,10 +381,18 @@ private:
         return true;
     }
 
+    /// inOctreeSpace(), into a box.
+    bool isBoxed(const numeric::Box3d& bounds, Box& box) const {
+        alignas(16) float lower[4] = {}, upper[4] = {};
+        const bool isInside = inOctreeSpace(bounds, center_, scale_, lower, upper);
+        box = {_mm_load_ps(lower), _mm_load_ps(upper)};
+        return isInside;
+    }
+
     Edited editLeaf(std::uint32_t leaf, const Box& before) {
         lookAhead();
         Edited result;
-        if ((leaf >> kLeafKindShift & 7) == kSharedLeaf &&
+        if (kindOfLeaf(leaf) == kSharedLeaf &&
             moveCorners(tree_.shared[leaf & kLeafIndex], before, result.box)) {
             result.reference = leaf;
             return result;
@@ -414,24 +419,20 @@ private:
             }
             if (moved(members_[i])) continue;
             result.allMoved = false;
-            rest.add(_mm_load_ps(r.lower), _mm_load_ps(r.upper));
+            rest.add(boxOf(r));
             std::swap(r, references_[staying++]);
         }
         // What turns as a whole may have a larger box, but not one that its own boxes leave mostly empty.
         float limit = kGrowth * before.area(), own = 0;
         if (result.allMoved) {
-            for (const Reference& r : references_) {
-                Box box;
-                box.add(_mm_load_ps(r.lower), _mm_load_ps(r.upper));
-                own += box.area();
-            }
+            for (const Reference& r : references_) own += boxOf(r).area();
             limit = std::max(limit, kScatter * own);
         }
         const std::size_t movedCount = members_.size() - staying;
         for (std::size_t i = staying; i < members_.size(); ++i) {
             Reference& r = references_[i];
-            Box single, with = rest;
-            single.add(_mm_load_ps(r.lower), _mm_load_ps(r.upper));
+            const Box single = boxOf(r);
+            Box with = rest;
             with.add(single);
             if (staying == 0 || with.area() <= limit) {
                 rest = with;
@@ -456,13 +457,10 @@ private:
         Edited result;
         result.allMoved = false;
         result.reference = leaf;
-        if ((leaf >> kLeafKindShift & 7) == kNarrowSharedLeaf)
+        if (kindOfLeaf(leaf) == kNarrowSharedLeaf)
             state_.garbage +=
                 4 * (members_.size() - static_cast<std::size_t>(__builtin_popcount(unmoved)));
-        alignas(16) float lower[4] = {}, upper[4] = {};
-        result.stands =
-            inOctreeSpace(keepTriangles(tree_, leaf, unmoved), center_, scale_, lower, upper);
-        result.box.add(_mm_load_ps(lower), _mm_load_ps(upper));
+        result.stands = isBoxed(keepTriangles(tree_, leaf, unmoved), result.box);
         const float limit = kGrowth * before.area();
         for (std::size_t i = 0; i < members_.size(); ++i) {
             if (unmoved >> i & 1) continue;
@@ -471,8 +469,8 @@ private:
                 result.stands = false;
                 return result;
             }
-            Box single, with = result.box;
-            single.add(_mm_load_ps(r.lower), _mm_load_ps(r.upper));
+            const Box single = boxOf(r);
+            Box with = result.box;
             with.add(single);
             const LooseTriangle triangle = looseOf(r.id);
             if (with.area() <= limit && hasRoom(tree_, result.reference, triangle)) {
@@ -533,7 +531,7 @@ private:
 
     void freeLeaf(std::uint32_t reference) {
         const std::uint32_t index = reference & kLeafIndex;
-        switch (reference >> kLeafKindShift & 7) {
+        switch (kindOfLeaf(reference)) {
         case kSharedLeaf:
             tree_.shared[index].valid = 0;
             return state_.free[kShared].push_back(index);
@@ -788,9 +786,9 @@ private:
         case geometry::Kind::triangle:
             return isTriangles(leaf) && hasRoom(tree_, leaf, item.triangle);
         case geometry::Kind::sphere:
-            return (leaf >> kLeafKindShift & 7) == kSphereLeaf && size < kLanes;
+            return kindOfLeaf(leaf) == kSphereLeaf && size < kLanes;
         case geometry::Kind::parallelogram:
-            return (leaf >> kLeafKindShift & 7) == kParallelogramLeaf && size < kLanes;
+            return kindOfLeaf(leaf) == kParallelogramLeaf && size < kLanes;
         case geometry::Kind::custom:
             return false;
         }

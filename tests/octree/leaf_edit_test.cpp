@@ -13,8 +13,7 @@ using octree::LooseTriangle;
 using octree::SharedBlock;
 using octree::Tree;
 
-constexpr std::uint32_t kSharedLeaf = octree::kLeaf | std::uint32_t{octree::kSharedLeaf}
-                                                          << octree::kLeafKindShift;
+const std::uint32_t kSharedLeaf = octree::leafReference(octree::kSharedLeaf, 0);
 
 LooseTriangle triangleOf(std::uint32_t id) {
     return {id, {Vec3(id, 0, 0), Vec3(id, 1, 0), Vec3(id, 0, 1)}};
@@ -67,7 +66,7 @@ struct Leaf {
             for (std::size_t c = 0; c < 3; ++c)
                 for (int a = 0; a < 3; ++a) {
                     const double stored =
-                        reference >> octree::kLeafKindShift == kSharedLeaf >> octree::kLeafKindShift
+                        octree::kindOfLeaf(reference) == octree::kSharedLeaf
                             ? tree.shared[index].corner[a][tree.shared[index].index[c][lane]]
                             : tree.triangles[index].corner[c][a][lane];
                     EXPECT_EQ(triangles[lane].corner[c][a], stored) << lane << ' ' << c << ' ' << a;
