@@ -68,7 +68,7 @@ bool isReadable(const std::string& place) {
 
 bool liesInOwn(const std::string& own, const std::string& place) {
     std::error_code error;
-    const fs::path real = fs::canonical(own.empty() ? "." : own, error);
+    const fs::path real = fs::canonical(own, error);
     return !error && liesIn(real.string(), place);
 }
 

@@ -19,8 +19,8 @@ bool readingIsConfined();
 const std::vector<std::string>& readableFolders();
 
 struct FileRefusal {
-    Code
-        code; // E0401 missing, E0402 unreadable, E0403 not regular, E0404 outside of the sandbox, E0710 too large
+    // E0401 missing, E0402 unreadable, E0403 not regular, E0404 outside of the sandbox, E0710 too large
+    Code code;
     std::string reason; // a clause: "is a folder, not a file"
 };
 
