@@ -13,5 +13,5 @@ inline constexpr bool kSanitized = false;
 } // namespace rt
 
 /// Skips the test in a sanitized build; `reason` is a clause.
-#define RT_NOT_SANITIZED(reason) \
+#define RT_NOT_SANITIZED(reason)                                                                   \
     if (rt::kSanitized) GTEST_SKIP() << "under a sanitizer: " << reason
