@@ -1,5 +1,7 @@
 #include <core/report/pages.hpp>
 
+#include <core/report/plot.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -13,17 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string digits(double value, int significant = 3) {
-    if (const double size = std::fabs(value);
-        size >= 1000 && size < 10'000'000) // 1420, not 1.42e+03
-        significant = std::max(significant, static_cast<int>(std::log10(size)) + 1);
-    std::array<char, 48> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                   std::chars_format::general, significant)
-                         .ptr;
-    return {text.data(), end};
-}
-
 std::string padded(std::string text, std::size_t width, bool left = false) {
     if (text.size() < width) text.insert(left ? text.size() : 0, width - text.size(), ' ');
     return text;
@@ -34,171 +25,27 @@ std::string interval(const Row& row) {
     return digits(row.ratio.low) + " - " + digits(row.ratio.high);
 }
 
+/// x 1e-6
+std::string scaleOf(const Row& row) {
+    std::array<char, 32> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), row.scale,
+                                   std::chars_format::scientific)
+                         .ptr;
+    std::string power(text.data(), end);
+    for (const char* const filler : {"e+0", "e-0"})
+        if (const auto at = power.find(filler); at != std::string::npos)
+            power.replace(at, 3, filler[1] == '+' ? "e" : "e-");
+    return "x " + power;
+}
+
 std::string labelOf(const Row& row) {
-    return row.panel == 'A' && row.scale != 1 ? row.name + ", scale " + digits(row.scale)
-                                              : row.name;
+    return row.panel == 'A' && row.scale != 1 ? row.name + ", " + scaleOf(row) : row.name;
 }
 
 /// Wrong pixels of a million; none is drawn at the 95 % bound, 3 of all that were looked at.
 double wrongPerMillion(const Row& row) {
     const double pixels = std::max<double>(1, static_cast<double>(row.error->pixels));
     return 1e6 * (row.error->over ? static_cast<double>(row.error->over) : 3) / pixels;
-}
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else
-            out += c;
-    }
-    return out;
-}
-
-// ---- plots ------------------------------------------------------------------------------------
-
-struct Dot {
-    double x, y;
-    std::string label, hover, line; // dots of one line are joined
-    bool onFront, none;             // none: nothing was wrong, y is a bound
-};
-
-struct LogAxis {
-    double low, high; // decades
-    double from, to;  // on the paper
-
-    double at(double value) const {
-        return from + (std::log10(value) - low) / (high - low) * (to - from);
-    }
-};
-
-LogAxis axisOver(double smallest, double greatest, double from, double to) {
-    LogAxis axis{std::floor(std::log10(smallest) * 4 - 0.2) / 4,
-                 std::ceil(std::log10(greatest) * 4 + 0.2) / 4, from, to};
-    if (axis.high - axis.low < 0.5) axis.high = axis.low + 0.5;
-    return axis;
-}
-
-/// 1, 2 and 5 of each decade while that is few.
-std::vector<double> ticks(const LogAxis& axis) {
-    std::vector<double> all;
-    for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high; ++decade)
-        for (const double step : {1.0, 2.0, 5.0}) {
-            if (step != 1 && axis.high - axis.low > 2.5) continue;
-            const double value = step * std::pow(10.0, decade);
-            if (std::log10(value) >= axis.low && std::log10(value) <= axis.high)
-                all.push_back(value);
-        }
-    return all;
-}
-
-/// What is taken on the paper, so that no two labels are on one another.
-struct Places {
-    struct Rectangle {
-        double x, y, width, height;
-    };
-    std::vector<Rectangle> taken;
-    double left, right;
-
-    void take(const Rectangle& r) { taken.push_back(r); }
-    bool takeFree(const Rectangle& r) {
-        if (r.x < left || r.x + r.width > right) return false;
-        for (const Rectangle& t : taken)
-            if (r.x < t.x + t.width && t.x < r.x + r.width && r.y < t.y + t.height &&
-                t.y < r.y + r.height)
-                return false;
-        take(r);
-        return true;
-    }
-};
-
-std::string scatter(const std::string& title, const std::string& xName, const std::string& yName,
-                    const std::vector<Dot>& dots) {
-    constexpr double kWidth = 760, kHeight = 420, kLeft = 76, kRight = 30, kTop = 40, kBottom = 56;
-    const auto [smallX, largeX] = std::minmax_element(
-        dots.begin(), dots.end(), [](const Dot& a, const Dot& b) { return a.x < b.x; });
-    const auto [smallY, largeY] = std::minmax_element(
-        dots.begin(), dots.end(), [](const Dot& a, const Dot& b) { return a.y < b.y; });
-    const LogAxis x = axisOver(smallX->x, largeX->x, kLeft, kWidth - kRight),
-                  y = axisOver(smallY->y, largeY->y, kHeight - kBottom, kTop);
-    const auto text = [](double px, double py, const char* anchor, const std::string& words,
-                         const std::string& more = "") {
-        return "<text x=\"" + digits(px, 6) + "\" y=\"" + digits(py, 6) + "\" text-anchor=\"" +
-               anchor + "\"" + more + ">" + escaped(words) + "</text>\n";
-    };
-    const auto line = [](double x0, double y0, double x1, double y1, const char* kind) {
-        return "<line x1=\"" + digits(x0, 6) + "\" y1=\"" + digits(y0, 6) + "\" x2=\"" +
-               digits(x1, 6) + "\" y2=\"" + digits(y1, 6) + "\" class=\"" + kind + "\"/>\n";
-    };
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 420\" "
-                      "font-family=\"sans-serif\" font-size=\"12\">\n<style>.grid{stroke:#ddd}"
-                      ".front{stroke:#c33;stroke-width:1.5;fill:none;stroke-dasharray:5 3}"
-                      ".sweep{stroke:#9ab;fill:none}circle{fill:#567;stroke:#fff}"
-                      "circle.on{fill:#c33}g:hover circle{stroke:#000;stroke-width:2}</style>\n"
-                      "<rect width=\"760\" height=\"420\" fill=\"#fff\"/>\n";
-    svg += text(kLeft, 22, "start", title, " font-size=\"15\"");
-    for (const double v : ticks(x)) {
-        svg += line(x.at(v), kTop, x.at(v), kHeight - kBottom, "grid");
-        svg += text(x.at(v), kHeight - kBottom + 16, "middle", digits(v));
-    }
-    for (const double v : ticks(y)) {
-        svg += line(kLeft, y.at(v), kWidth - kRight, y.at(v), "grid");
-        svg += text(kLeft - 6, y.at(v) + 4, "end", digits(v));
-    }
-    svg += text((kLeft + kWidth - kRight) / 2, kHeight - 14, "middle", xName);
-    svg += text(0, 0, "middle", yName,
-                " transform=\"translate(16 " + digits((kTop + kHeight - kBottom) / 2, 6) +
-                    ") rotate(-90)\"");
-    const auto path = [&](const std::vector<const Dot*>& along, const char* kind) {
-        std::string points;
-        for (const Dot* d : along)
-            points += digits(x.at(d->x), 6) + "," + digits(y.at(d->y), 6) + " ";
-        return "<polyline class=\"" + std::string(kind) + "\" points=\"" + points + "\"/>\n";
-    };
-    std::vector<const Dot*> front;
-    for (std::size_t i = 0; i < dots.size(); ++i) {
-        if (dots[i].onFront) front.push_back(&dots[i]);
-        if (dots[i].line.empty()) continue;
-        std::vector<const Dot*> sweep;
-        for (const Dot& d : dots)
-            if (d.line == dots[i].line) sweep.push_back(&d);
-        if (sweep[0] == &dots[i] && sweep.size() > 1) svg += path(sweep, "sweep");
-    }
-    std::sort(front.begin(), front.end(), [](const Dot* a, const Dot* b) { return a->x < b->x; });
-    if (front.size() > 1) svg += path(front, "front");
-    Places places{{}, kLeft, kWidth};
-    for (const Dot& d : dots) places.take({x.at(d.x) - 5, y.at(d.y) - 5, 10, 10});
-    // Right or left of the dot, above or below; nowhere where all of that is taken.
-    const auto label = [&](const std::string& words, double px, double py) -> std::string {
-        if (words.empty()) return "";
-        constexpr double kLetter = 6.7; // width, on average
-        const double width = kLetter * static_cast<double>(words.size());
-        for (const double baseline : {py - 6, py + 16})
-            for (const bool toLeft : {false, true})
-                if (places.takeFree({toLeft ? px - 8 - width : px + 8, baseline - 10, width, 12}))
-                    return text(px + (toLeft ? -8 : 8), baseline, toLeft ? "end" : "start", words);
-        return "";
-    };
-    for (const Dot& d : dots) {
-        const double px = x.at(d.x), py = y.at(d.y);
-        svg += "<g><title>" + escaped(d.hover) + "</title>";
-        if (d.none) {
-            svg += line(px, py, px, py + 14, "front");
-            if (places.takeFree({px - 14, py + 14, 28, 12}))
-                svg += text(px, py + 24, "middle", "none");
-        }
-        svg += "<circle cx=\"" + digits(px, 6) + "\" cy=\"" + digits(py, 6) + "\" r=\"5\"" +
-               (d.onFront ? " class=\"on\"" : "") + "/></g>\n";
-        svg += label(d.label, px, py);
-    }
-    return svg + "</svg>\n";
 }
 
 std::string hoverOf(const Row& row) {
@@ -208,31 +55,53 @@ std::string hoverOf(const Row& row) {
            digits(row.error->rmse) + ", largest " + digits(row.error->max);
 }
 
+/// grid of grid 4: names that differ in a number alone are one series.
+std::string seriesOf(const std::string& name) {
+    const auto space = name.rfind(' ');
+    if (space == std::string::npos || name.find_first_not_of("0123456789.", space + 1) != name.npos)
+        return name;
+    return name.substr(0, space);
+}
+
+bool suffersFromScale(const SceneReport& report, const Row& row) {
+    return std::any_of(report.rows.begin(), report.rows.end(), [&](const Row& at1) {
+        return at1.panel == 'A' && at1.name == row.name && at1.scale == 1 &&
+               row.error->over > 2 * at1.error->over;
+    });
+}
+
 std::string plotOf(const SceneReport& report, char panel) {
-    std::vector<Dot> dots;
+    Plot plot;
     for (const Row& row : report.rows) {
         if (row.panel != panel) continue;
-        if (panel == 'A')
-            dots.push_back({row.nanosecondsPerRay(), wrongPerMillion(row),
-                            row.scale == 1 ? row.name : "", hoverOf(row), row.name, row.onFront,
-                            row.error->over == 0});
-        else if (panel == 'B' && row.error->rmse > 0)
-            dots.push_back(
-                {row.wall.median, row.error->rmse, row.name, hoverOf(row), "", row.onFront, false});
-        else if (panel == 'C' && row.rays)
-            dots.push_back({row.wall.median,
-                            static_cast<double>(row.rays) /
-                                (static_cast<double>(report.width) * report.height),
-                            row.name, hoverOf(row), "", false, false});
+        Dot dot{row.wall.median, row.error->rmse, seriesOf(row.name),
+                row.name,        hoverOf(row),    row.onFront};
+        if (panel == 'A') {
+            dot.x = row.nanosecondsPerRay(), dot.y = wrongPerMillion(row);
+            dot.series = row.name;
+            dot.bound = row.error->over == 0;
+            if (row.scale != 1) dot.label = suffersFromScale(report, row) ? scaleOf(row) : "";
+        } else if (panel == 'C') {
+            dot.y =
+                static_cast<double>(row.rays) / (static_cast<double>(report.width) * report.height);
+            dot.filled = true; // what other features cost is no contest
+        }
+        if (dot.x <= 0 || dot.y <= 0) continue;
+        if (panel == 'B' && dot.filled) plot.front.push_back(plot.dots.size());
+        plot.dots.push_back(std::move(dot));
     }
-    if (dots.empty()) return "";
-    if (panel == 'A')
-        return scatter(report.scene + ": arithmetic", "CPU nanoseconds per ray",
-                       "wrong pixels of a million", dots);
-    if (panel == 'B')
-        return scatter(report.scene + ": sampling", "seconds per frame", "RMSE, linear light",
-                       dots);
-    return scatter(report.scene + ": features", "seconds per frame", "rays per pixel", dots);
+    if (plot.dots.empty()) return "";
+    const char* const names[][3] = {
+        {"arithmetic", "CPU nanoseconds per ray", "wrong pixels of a million"},
+        {"sampling", "seconds per frame", "RMSE, linear light"},
+        {"features", "seconds per frame", "rays per pixel"}};
+    const auto& [what, xName, yName] = names[panel - 'A'];
+    plot.title = report.scene + ": " + what, plot.xName = xName, plot.yName = yName;
+    if (panel != 'C') {
+        plot.filled = panel == 'A' ? "on the Pareto front of its scale" : "on the Pareto front";
+        plot.hollow = "beaten";
+    }
+    return asSvg(plot);
 }
 
 const std::vector<std::string> kColumns{"scene",
@@ -300,29 +169,34 @@ std::string asTable(const std::vector<SceneReport>& reports) {
     std::string text;
     for (const SceneReport& report : reports) {
         for (const char panel : {'A', 'B', 'C'}) {
+            std::size_t width = std::string_view("configuration").size();
+            for (const Row& r : report.rows)
+                if (r.panel == panel) width = std::max(width, labelOf(r).size());
             std::string rows;
             for (const Row& r : report.rows) {
                 if (r.panel != panel) continue;
-                rows += (r.onFront && panel != 'C' ? "* " : "  ") + padded(labelOf(r), 30, true) +
-                        padded(digits(r.wall.median * 1000) + " ms", 11) + padded(interval(r), 16) +
-                        padded(digits(r.nanosecondsPerRay()), 9) +
-                        padded(std::to_string(r.error->over), 8) +
-                        padded(digits(r.error->rmse), 11) + padded(std::to_string(r.rays), 11) +
-                        (r.noisy ? "  noisy" : "") + "\n";
+                rows +=
+                    (r.onFront && panel != 'C' ? "* " : "  ") + padded(labelOf(r), width, true) +
+                    padded(digits(r.wall.median * 1000) + " ms", 11) + padded(interval(r), 16) +
+                    padded(digits(r.nanosecondsPerRay()), 9) +
+                    padded(std::to_string(r.error->over), 8) + padded(digits(r.error->rmse), 11) +
+                    padded(std::to_string(r.rays), 11) + (r.noisy ? "  noisy" : "") + "\n";
             }
             if (rows.empty()) continue;
             const char* const names[] = {"arithmetic", "sampling", "features"};
             text += report.scene + " " + std::to_string(report.width) + "x" +
                     std::to_string(report.height) + ", " + names[panel - 'A'] + "\n  " +
-                    padded("configuration", 30, true) + padded("median", 11) +
-                    padded("ratio, 95 %", 16) + padded("ns/ray", 9) + padded("wrong", 8) +
+                    padded("configuration", width, true) + padded("per frame", 11) +
+                    padded("CPU, ratio", 16) + padded("ns/ray", 9) + padded("wrong", 8) +
                     padded("RMSE", 11) + padded("rays", 11) + "\n" + rows;
             if (panel == 'B')
                 text += "  the reference itself: +- " + digits(report.referenceSigma) + "\n";
         }
         if (!report.remark.empty()) text += report.scene + ": " + report.remark + "\n";
     }
-    return text;
+    return text + "* on the Pareto front: nothing else is clearly faster and no worse in any "
+                  "error. Ratio: to the "
+                  "default's CPU time,\n  95 %. Wrong: pixels off by more than 1/255.\n";
 }
 
 std::string asCsv(const std::vector<SceneReport>& reports) {
@@ -379,16 +253,20 @@ std::string asSvg(const SceneReport& report, char panel) { return plotOf(report,
 std::string asHtml(const std::vector<SceneReport>& reports, const Facts& facts) {
     std::string html =
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Speed against "
-        "error</title>\n<style>body{font:15px/1.45 sans-serif;max-width:60em;margin:2em auto;"
-        "padding:0 1em;color:#222}table{border-collapse:collapse;font-size:13px;margin:1em 0}"
-        "td,th{padding:2px 9px;border-bottom:1px solid #ddd;text-align:right}td:first-child,"
-        "th:first-child,td:nth-child(2),th:nth-child(2){text-align:left}tr.on td:first-child{"
-        "color:#c33;font-weight:bold}code{font-size:12px}svg{width:100%;max-width:760px;border:"
-        "1px solid #ddd}</style></head><body>\n<h1>Speed against error</h1>\n<p>";
+        "error</title>\n<style>body{font:15px/1.45 sans-serif;max-width:70em;margin:2em auto;"
+        "padding:0 1em;color:#222}table{border-collapse:collapse;font-size:12px;margin:1em 0}"
+        "td,th{padding:2px 8px;border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}"
+        "td:first-child,th:first-child,td:nth-child(2),th:nth-child(2){text-align:left}tr.on "
+        "td:first-child{font-weight:bold}code{font-size:11px}svg{width:100%;max-width:860px;border:"
+        "1px solid #ddd}@media print{body{max-width:none;margin:0;font-size:11px}table{font-size:"
+        "8px}code{font-size:7px}td,th{padding:1px 4px}svg,tr,h2,h3{break-inside:avoid}h2,h3{"
+        "break-after:avoid}svg,table{print-color-adjust:exact}}</style></head><body>\n<h1>Speed "
+        "against error</h1>\n<p>";
     for (const auto& [name, value] : facts) html += escaped(name + ": " + value) + "<br>\n";
-    html += "</p>\n<p>Red: on the Pareto front, nothing else is clearly as fast and in no error "
-            "worse. A ratio is the 95 % interval of the CPU time over the default's; where it "
-            "holds 1 there is no winner. Hover over a point for its flags.</p>\n";
+    html += "</p>\n<p>Filled, and bold in the tables: on the Pareto front, nothing else is clearly "
+            "faster and no worse in any error. A ratio is the 95 % interval of the CPU time over "
+            "the default's; where it holds 1 there is no winner. Hover over a point for its "
+            "flags.</p>\n";
     const char* const about[] = {
         "One sample a pixel, the same in every configuration, on one thread, against binary128; "
         "a line joins one configuration's scales. f64-robust is the product; the others share "

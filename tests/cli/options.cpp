@@ -411,10 +411,15 @@ std::vector<Options::Case> Options::cases() {
              EXPECT_NE(o.out.find("depth 2"), std::string::npos) << o.out;
              EXPECT_EQ(o.out.find("max_error"), std::string::npos) << o.out;
              const Json json = Json::parse(read("bench/report.json"));
-             for (const Json& row : json["scenes"][0]["rows"])
-                 if (row["configuration"] == "f64-robust") {
+             const std::string page = read("bench/report.html");
+             for (const Json& row : json["scenes"][0]["rows"]) {
+                 const auto name = row["configuration"].get<std::string>();
+                 if (name == "f64-robust") {
                      EXPECT_EQ(row["wrong_pixels"], 0) << row;
                  }
+                 EXPECT_NE(page.find(">" + name + "</text>"), std::string::npos)
+                     << name << " is in no plot's legend and beside no dot";
+             }
          },
          "bench scene.yaml --panels AD",
          "rt bench: error: --panels: must be letters of ABC, such as AB (got 'AD'); see rt bench "
