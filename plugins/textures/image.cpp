@@ -79,7 +79,11 @@ public:
                 if (!std::isfinite(value))
                     throw rt::ParameterError("file", "has texels that are not finite");
                 negative += value < 0;
-                return value < 0 ? 0 : static_cast<float>(decode(value));
+                const float linear = value < 0 ? 0 : static_cast<float>(decode(value));
+                if (!std::isfinite(linear))
+                    throw rt::ParameterError(
+                        "file", "has texels that exceed the range of f32 in linear light");
+                return linear;
             });
             if (negative != 0)
                 host.note(std::to_string(negative) + " negative channels of texels count as 0");

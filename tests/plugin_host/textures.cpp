@@ -195,6 +195,15 @@ TEST(Image, RefusesWhatIsNoPicture) {
               fault("is turned or mirrored (its size must be '-Y height +X width')"));
 }
 
+TEST(Image, RefusesFloatsThatAreTooBrightOnceDecodedFromSrgb) {
+    const TemporaryFolder folder;
+    const auto picture =
+        make("image", {{"file", folder.write("a.pfm", "Pf\n1 1\n-1.0\n"s + "\0\0\0\x7F"s).string()},
+                       {"encoding", kSrgb}}); // 2^127
+    EXPECT_FALSE(picture.exists());
+    EXPECT_EQ(picture.said(), fault("has texels that exceed the range of f32 in linear light"));
+}
+
 TEST(Image, RefusesBombsByTheirHeader) {
     std::string bomb(bytesOf(test::kPng));
     bomb.replace(16, 8, "\0\0\x4E\x20\0\0\x4E\x20"sv);
