@@ -1,10 +1,12 @@
 #include <core/trace/stage.hpp>
 
 #include <core/geometry/bounds.hpp>
+#include <core/numeric/elementary.hpp>
 #include <core/numeric/rounding.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -109,6 +111,13 @@ std::vector<std::uint8_t> ranksOf(const std::vector<material::Material>& materia
     return ranks;
 }
 
+/// Where (H.N)^s reaches 2^-53, half the last place of a highlight of 1.
+double leastHighlight(const material::Material& m) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (m.specular.isBlack()) return kInfinity;
+    return std::max(numeric::pow(0.5, 53 / m.shininess), std::numeric_limits<double>::denorm_min());
+}
+
 } // namespace
 
 Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
@@ -123,8 +132,7 @@ Stage::Stage(const octree::Octree& tree, const world::World& theWorld,
     for (const auto& m : world.materials) opaque.push_back(m.isOpaque());
     for (const auto& m : world.materials) {
         const bool glows = !m.environment.isBlack();
-        lit.push_back(
-            {glows || !m.diffuse.isBlack() || !m.specular.isBlack(), glows && !m.isOpaque()});
+        lit.push_back({glows || !m.diffuse.isBlack(), glows && !m.isOpaque(), leastHighlight(m)});
     }
     ranks = ranksOf(world.materials);
     constexpr std::size_t kManyPlanes =

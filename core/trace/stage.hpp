@@ -21,6 +21,7 @@ struct Light {
 /// From where a light can add to what is seen of a material.
 struct Lit {
     bool front, back;
+    double highlight; // the least H.N that alone is worth asking whether the light is seen
 };
 
 /// Rays at surfaces are sorted by rank: matt ones first, then mirrors, then what lets light through; each by

@@ -7,7 +7,8 @@
 // light's color times the transmission of every surface between; R and T what the mirrored and the
 // refracted ray see. On total reflection transmission joins specular. A light on the far side of the
 // surface reaches the viewer through it: opaque, S is 0; otherwise the surface itself is one of those
-// between, and only the environment term is left.
+// between, and only the environment term is left. S is not asked for where it could show nothing but
+// a highlight below 2^-53.
 //
 // ior is a ratio at each surface, inside over outside. So a ray needs no memory of what it is in:
 // nested solids refract as the product of the ratios that were crossed, in whatever order.
@@ -411,7 +412,9 @@ private:
         for (std::uint32_t i = 0; i < front.count; ++i) {
             const double cosine = wave.cosine.at[i];
             const Lit lit = stage_.lit.data()[static_cast<std::uint32_t>(front.met[i].material)];
-            const bool matters = ((cosine > 0) & lit.front) | ((cosine == 0) & lit.back);
+            const bool highlit = wave.halfway.at[i] >= lit.highlight;
+            const bool matters =
+                ((cosine > 0) & (lit.front | highlit)) | ((cosine == 0) & lit.back);
             wanted[count] = i;
             count += matters;
             byDirection.note(static_cast<std::size_t>(wave.shadow.group.at[i]), matters);

@@ -76,6 +76,24 @@ TEST_F(Floor, highlightIsHalfwayBlinnPhongAndNotColored) {
     expectNear(seen(), {0.5 * highlight + 0.125, 0.25 * highlight + 0.25, 0.125 * highlight + 0.5});
 }
 
+TEST_F(Floor, asksForNoLightThatOnlyAHighlightBelowRoundingWouldShow) {
+    // H.N = 1.4 / sqrt 2; to the power 3636.9 it is 2^-53.
+    for (const double shininess : {3636, 3638}) {
+        SceneMaker mirrors;
+        Material m;
+        m.diffuse = {0, 0, 0};
+        m.specular = {1, 1, 1};
+        m.shininess = shininess;
+        mirrors.parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, mirrors.add(m));
+        mirrors.light({0, 4, 3});
+        const double seen = mirrors.along(eye, -eye).g;
+        const bool isAsked = shininess == 3636;
+        EXPECT_EQ(seen > 0, isAsked) << seen;
+        EXPECT_LT(seen, 0x1p-52);
+        EXPECT_EQ(mirrors.render().counts.shadow, isAsked ? 1u : 0u);
+    }
+}
+
 TEST_F(Floor, isLitOnlyOnTheSideThatIsSeen) {
     put(plastic());
     scene.light({0, 0, -5});
