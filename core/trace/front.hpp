@@ -47,8 +47,8 @@ enum class RayKind : std::uint8_t { reflected, refracted };
 /// A ray that an encounter sends off; the wave has it.
 struct Child {
     std::uint32_t encounter; // of one in contact: number in Scratch::ofContacts
-    std::uint32_t depth, sample;
-    OrderedSums::Term term = 0;
+    std::uint32_t depth;
+    PathSums::Term term;
     std::uint32_t node = 0;
     RayKind kind;
     bool ofContact;
@@ -80,7 +80,7 @@ struct Scratch {
     std::vector<std::uint8_t> occluded;
     octree::CrossingLists crossed;
     ByDirection shadowsByDirection;
-    OrderedSums sums;
+    PathSums sums;
     std::vector<geometry::Crossing> crossings;
     std::vector<rt_surface_point> texturePoints;
     std::vector<double> textureColors;

@@ -3,7 +3,7 @@
 #include <core/geometry/ray.hpp>
 #include <core/numeric/colour.hpp>
 #include <core/trace/groups.hpp>
-#include <core/trace/ordered_sums.hpp>
+#include <core/trace/path_sums.hpp>
 #include <core/trace/wave.hpp>
 
 #include <algorithm>
@@ -16,9 +16,8 @@ namespace rt::trace {
 struct Work {
     numeric::LinearRgb weight{1, 1, 1};
     std::uint32_t depth = 0; // bounces so far
-    std::uint32_t sample = 0;
-    OrderedSums::Term term = 0; // what it contributes to the sample
-    std::uint32_t node = 0;     // the observer's number for this ray
+    PathSums::Term term = 0; // to which it contributes
+    std::uint32_t node = 0;  // the observer's number for this ray
 };
 
 /// Rays with what they met, under the same index.
@@ -31,15 +30,22 @@ struct Batch {
 /// A stack of rays that wait. Taking the last, at most so many, keeps its size linear in the depth.
 class Pending {
 public:
-    void clear() { size_ = 0; }
+    void clear() {
+        size_ = 0;
+        pushes_.clear();
+    }
     bool empty() const { return size_ == 0; }
     std::size_t size() const { return size_; }
 
     /// Room for `count` more, sorted into the groups of which `by` was told, since the octree traces together
     /// what goes in one direction (glass.yaml of tests/bench/versus: 1.2 times as fast). Calls fill(k, work,
-    /// ray) for each, of group groupOf(k). What was taken before is overwritten.
+    /// ray) for each, of group groupOf(k). What was taken before is overwritten. termsEnd: their terms, and those
+    /// of all that wait, are lower.
     template <class GroupOf, class Fill>
-    void push(std::size_t count, ByDirection& by, const GroupOf& groupOf, const Fill& fill) {
+    void push(std::size_t count, ByDirection& by, PathSums::Term termsEnd, const GroupOf& groupOf,
+              const Fill& fill) {
+        if (count == 0) return;
+        pushes_.push_back({size_, termsEnd});
         const std::size_t end = size_ + count;
         if (rays_.size() < end) {
             rays_.resize(2 * end);
@@ -65,11 +71,20 @@ public:
     Taken take() {
         const std::size_t count = std::min(size_, kWave);
         size_ -= count;
+        while (!pushes_.empty() && pushes_.back().first >= size_) pushes_.pop_back();
         return {std::span(rays_).subspan(size_, count), std::span(works_).subspan(size_, count),
                 std::span(groups_).subspan(size_, count)};
     }
 
+    /// Of those that wait; 0 if none does.
+    PathSums::Term termsEnd() const { return pushes_.empty() ? 0 : pushes_.back().termsEnd; }
+
 private:
+    struct Push {
+        std::size_t first;
+        PathSums::Term termsEnd;
+    };
+    std::vector<Push> pushes_; // of which any wait
     std::vector<geometry::Ray> rays_;
     std::vector<Work> works_;
     std::vector<std::uint8_t> groups_;

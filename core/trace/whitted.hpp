@@ -15,7 +15,7 @@
 //
 // Rays are traced in generations: all camera rays of a batch, then all their shadow rays to one light,
 // then what they reflect and refract. What a ray contributes does not depend on its batch, and
-// OrderedSums adds it up as if each sample had been followed alone.
+// PathSums adds it up in an order that does not either.
 #pragma once
 #include <core/numeric/bits.hpp>
 #include <core/numeric/elementary.hpp>
@@ -87,8 +87,9 @@ public:
             surface(front);
             shine(front);
             leave(front);
-            scratch_.sums.tidy();
             sendOff(front);
+            scratch_.sums.foldTo(std::max(static_cast<PathSums::Term>(primaries.size()),
+                                          scratch_.pending.termsEnd()));
         }
     }
 
@@ -100,14 +101,11 @@ private:
     void start(std::span<const geometry::Ray> primaries) {
         counts_.primary += primaries.size();
         scratch_.pending.clear();
-        if constexpr (kFeatures.transmission)
-            scratch_.sums.startWaiting(primaries.size());
-        else
-            scratch_.sums.start(primaries.size());
+        scratch_.sums.start(primaries.size());
         auto& works = scratch_.primaries;
         while (works.size() < primaries.size()) {
             Work work;
-            work.sample = work.term = static_cast<std::uint32_t>(works.size());
+            work.term = static_cast<std::uint32_t>(works.size());
             works.push_back(work);
         }
         if constexpr (Observer::kActive)
@@ -307,12 +305,9 @@ private:
         meetOther(front, i, stage_.world.primitives.segmentOf(hit.id));
     }
 
-    /// All that the ray itself adds, when its children have their terms.
+    /// All that the ray itself adds.
     void contribute(const Work& work, const LinearRgb& light) {
-        if constexpr (kFeatures.transmission)
-            scratch_.sums.settle(work.term, work.weight * light);
-        else // one child at most: they come in order
-            scratch_.sums.add(work.sample, work.weight * light);
+        scratch_.sums.add(work.term, work.weight * light);
     }
 
     /// The surface of an encounter, from the wave; its error is the doubled one.
@@ -508,26 +503,23 @@ private:
         if (front.senders < count) kernel_.mirror(wave, front.senders, count, transmits);
         for (std::size_t i = front.senders; i < count; ++i) {
             const material::Material& material = *wave.material[i];
-            OrderedSums::Term last = front.workOf(i).term;
             bool mirrors = material.isMirror();
             if constexpr (kFeatures.transmission)
                 if (!material.isOpaque()) {
                     if (wave.passes.at[i])
-                        transmit(front, i, last);
+                        transmit(front, i, mirrors);
                     else
                         mirrors = true;
                 }
-            if (mirrors) reflect(front, i, last);
+            if (mirrors) reflect(front, i);
         }
         for (std::size_t i = 0; i < count; ++i) contribute(front.workOf(i), colorAt(wave.light, i));
     }
 
-    /// Its term goes behind `last`.
-    void reflect(const Front& front, std::size_t i, OrderedSums::Term last) {
+    void reflect(const Front& front, std::size_t i) {
         Child* const child = admit(front, i, RayKind::reflected);
         if (!child) return;
         ++counts_.reflected;
-        if constexpr (kFeatures.transmission) child->term = scratch_.sums.after(last);
         note(front, *child);
     }
 
@@ -548,8 +540,8 @@ private:
         wave.refractedError.at[i] += also.error;
     }
 
-    /// `last` becomes the term behind which that of the mirrored ray goes.
-    void transmit(Front& front, std::size_t i, OrderedSums::Term& last) {
+    /// mirrors: there may be a mirrored ray beside it.
+    void transmit(Front& front, std::size_t i, bool mirrors) {
         const std::uint32_t number = front.met[i].coincident;
         const Coincident* const also =
             number == kNoCoincident ? nullptr : &scratch_.coincident[number];
@@ -557,18 +549,16 @@ private:
         if (also) put(weights, i, colorAt(weights, i) * also->filter);
         Child* const child = admit(front, i, RayKind::refracted);
         if (!child) return;
-        child->term = scratch_.sums.after(last);
+        if (mirrors) child->term = scratch_.sums.branch(child->term);
         if constexpr (Observer::kActive)
             observer_.transmitted(child->node, facingOf(front, i), also);
-        if (also && also->opaque) return touch(front, *child, *also, last);
+        if (also && also->opaque) return touch(front, *child, *also);
         ++counts_.refracted;
         note(front, *child);
     }
 
-    /// Sees the opaque surface that a transparent one touches. The refracted ray's term comes after the
-    /// mirrored one's and its children's, but the light of an opaque surface in contact comes first.
-    [[gnu::noinline]] void touch(const Front& front, const Child& child, const Coincident& also,
-                                 OrderedSums::Term& last) {
+    /// Sees the opaque surface that a transparent one touches.
+    [[gnu::noinline]] void touch(const Front& front, const Child& child, const Coincident& also) {
         Work work;
         geometry::Ray ray;
         write(front, child, work, ray);
@@ -582,7 +572,6 @@ private:
         surface(contact);
         shine(contact);
         leave(contact);
-        last = work.term;
     }
 
     /// The next child, if it is worth a ray.
@@ -604,7 +593,7 @@ private:
         Child& child = scratch_.children.data()[scratch_.childCount];
         child.encounter = static_cast<std::uint32_t>(i);
         child.depth = depth;
-        child.sample = parent.sample;
+        child.term = parent.term;
         child.kind = kind;
         child.ofContact = false;
         if constexpr (Observer::kActive)
@@ -637,7 +626,6 @@ private:
     static void write(const Front& front, const Child& child, Work& work, geometry::Ray& ray) {
         work.weight = weightOf(front, child.kind, child.encounter);
         work.depth = child.depth;
-        work.sample = child.sample;
         work.term = child.term;
         work.node = child.node;
         ray = leavingOf(front, child).ray[child.encounter];
@@ -647,7 +635,7 @@ private:
     void sendOff(const Front& front) {
         const Child* const children = scratch_.children.data();
         scratch_.pending.push(
-            scratch_.childCount, scratch_.childrenByDirection,
+            scratch_.childCount, scratch_.childrenByDirection, scratch_.sums.end(),
             [&](std::size_t k) { return children[k].group; },
             [&](std::size_t k, Work& work, geometry::Ray& ray) {
                 if (children[k].ofContact) [[unlikely]]
