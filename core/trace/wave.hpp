@@ -68,10 +68,8 @@ struct WaveKernel {
     void (*face)(Wave&, std::size_t count); // surfaces of spheres; turns normals toward the rays
     void (*aim)(Wave&, std::size_t count, const double light[3]);
     void (*add)(Wave&, std::size_t count, bool transmits);     // what `visible` is worth
-    void (*bend)(Wave&, std::size_t first, std::size_t count); // before `refract`
-    void (*refract)(Wave&, std::size_t first, std::size_t count);
-    void (*mirror)(Wave&, std::size_t first, std::size_t count,
-                   bool transmits); // if so, after `refract`
+    void (*bend)(Wave&, std::size_t first, std::size_t count); // before `leave`
+    void (*leave)(Wave&, std::size_t first, std::size_t transmitters, std::size_t count);
 };
 
 namespace avx512 {

@@ -202,45 +202,37 @@ void bend(Wave& w, std::size_t first, std::size_t count) {
     }
 }
 
-void refract(Wave& w, std::size_t first, std::size_t count) {
-    for (std::size_t i = first / kLanes * kLanes; i < count; i += kLanes) {
-        const V3 direction = load(w.direction, i), geometric = load(w.geometric, i);
-        const F64 ratio = load(w.ratio, i);
-        // An interpolated normal may point away from the viewer.
-        const V3 shading = load(w.normal, i);
-        const V3 normal = select(dot(direction, shading) < 0, shading, geometric);
-        const V3 tangential = (direction - normal * dot(direction, normal)) * ratio;
-        const F64 sineSquared = dot(tangential, tangential);
-        const V3 bent = unit(tangential - normal * squareRoot(1 - sineSquared));
-        const I64 straight = ratio == 1;
-        const V3 out = select(straight, direction, -intoHemisphere(-bent, geometric));
-        store(w.passes, i, straight | (sineSquared < 1));
-        store(w.refracted, w, i,
-              spawnOrigin(load(w.position, i), geometric, load(w.leaving, i),
-                          load(w.refractedError, i), out),
-              __builtin_inf(), out);
-        store(w.refractedWeight, i,
-              load(w.weight, i) *
-                  (load(w.color, i) * Materials(w, i)(&material::Material::transmission)));
-    }
-}
-
-void mirror(Wave& w, std::size_t first, std::size_t count, bool transmits) {
+/// What is mirrored, from encounter `first` on, and what is let through, from `transmitters` on.
+void leave(Wave& w, std::size_t first, std::size_t transmitters, std::size_t count) {
     const V3 none = {all(0.0), all(0.0), all(0.0)};
     for (std::size_t i = first / kLanes * kLanes; i < count; i += kLanes) {
-        const V3 direction = load(w.direction, i), normal = load(w.normal, i);
-        const V3 geometric = load(w.geometric, i);
-        const V3 out =
-            intoHemisphere(unit(direction - normal * (2 * dot(direction, normal))), geometric);
+        const V3 direction = load(w.direction, i), geometric = load(w.geometric, i);
+        const V3 position = load(w.position, i), shading = load(w.normal, i);
+        const V3 weight = load(w.weight, i), color = load(w.color, i);
+        const I64 leaving = load(w.leaving, i);
         const Materials materials(w, i);
         V3 share = materials(&material::Material::specular);
-        if (transmits)
-            share = share +
-                    select(load(w.passes, i), none, materials(&material::Material::transmission));
-        store(
-            w.mirrored, w, i,
-            spawnOrigin(load(w.position, i), geometric, load(w.leaving, i), load(w.error, i), out),
-            __builtin_inf(), out);
-        store(w.mirroredWeight, i, load(w.weight, i) * (load(w.color, i) * share));
+        if (i + kLanes > transmitters) {
+            const F64 ratio = load(w.ratio, i);
+            // An interpolated normal may point away from the viewer.
+            const V3 normal = select(dot(direction, shading) < 0, shading, geometric);
+            const V3 tangential = (direction - normal * dot(direction, normal)) * ratio;
+            const F64 sineSquared = dot(tangential, tangential);
+            const V3 bent = unit(tangential - normal * squareRoot(1 - sineSquared));
+            const I64 straight = ratio == 1, passes = straight | (sineSquared < 1);
+            const V3 out = select(straight, direction, -intoHemisphere(-bent, geometric));
+            const V3 transmission = materials(&material::Material::transmission);
+            store(w.passes, i, passes);
+            store(w.refracted, w, i,
+                  spawnOrigin(position, geometric, leaving, load(w.refractedError, i), out),
+                  __builtin_inf(), out);
+            store(w.refractedWeight, i, weight * (color * transmission));
+            share = share + select(passes, none, transmission);
+        }
+        const V3 out =
+            intoHemisphere(unit(direction - shading * (2 * dot(direction, shading))), geometric);
+        store(w.mirrored, w, i, spawnOrigin(position, geometric, leaving, load(w.error, i), out),
+              __builtin_inf(), out);
+        store(w.mirroredWeight, i, weight * (color * share));
     }
 }

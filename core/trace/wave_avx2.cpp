@@ -13,6 +13,6 @@ namespace {
 #include "wave.inl"
 } // namespace
 
-const WaveKernel waveKernel = {face, aim, add, bend, refract, mirror};
+const WaveKernel waveKernel = {face, aim, add, bend, leave};
 
 } // namespace rt::trace::avx2

@@ -492,15 +492,13 @@ private:
     void leave(Front& front) {
         Wave& wave = front.wave;
         const std::size_t count = front.count;
-        const bool transmits = front.transmitters < count;
         if constexpr (kFeatures.transmission)
-            if (transmits) {
+            if (front.transmitters < count) {
                 kernel_.bend(wave, front.transmitters, count);
                 if (stage_.anyMayCoincide)
                     for (std::size_t i = front.transmitters; i < count; ++i) coincide(front, i);
-                kernel_.refract(wave, front.transmitters, count);
             }
-        if (front.senders < count) kernel_.mirror(wave, front.senders, count, transmits);
+        if (front.senders < count) kernel_.leave(wave, front.senders, front.transmitters, count);
         for (std::size_t i = front.senders; i < count; ++i) {
             const material::Material& material = *wave.material[i];
             bool mirrors = material.isMirror();

@@ -90,8 +90,7 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         level.kernel.face(*wave, kCount);
         level.kernel.aim(*wave, kCount, &light.x);
         level.kernel.bend(*wave, 0, kCount);
-        level.kernel.refract(*wave, 0, kCount);
-        level.kernel.mirror(*wave, 0, kCount, true);
+        level.kernel.leave(*wave, 0, 0, kCount);
 
         std::size_t total = 0, behind = 0;
         for (std::size_t i = 0; i < kCount; ++i) {
