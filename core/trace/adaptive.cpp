@@ -3,6 +3,7 @@
 #include <core/numeric/rounding.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -84,9 +85,11 @@ public:
         return forEachPiece(tiles.count(), options_, counts_, 0, kShareOfFirstPass,
                             [&](std::size_t index, Scratch& scratch, RayCounts& counted) {
                                 const Region tile = tiles[index];
+                                Batch batch{*this, scratch, counted};
                                 for (std::uint32_t y = tile.y0; y < tile.y1; ++y)
                                     for (std::uint32_t x = tile.x0; x < tile.x1; ++x)
-                                        add(at(x, y), x, y, 1, scratch, counted);
+                                        batch.add(x, y, 1);
+                                batch.trace();
                             });
     }
 
@@ -98,12 +101,12 @@ public:
                             [&](std::size_t piece, Scratch& scratch, RayCounts& counted) {
                                 const std::size_t end =
                                     std::min(list.size(), (piece + 1) * kPixelsPerPiece);
-                                for (std::size_t i = piece * kPixelsPerPiece; i < end; ++i) {
-                                    Pixel& pixel = pixels_[list[i]];
-                                    add(pixel, region_.x0 + list[i] % region_.width(),
-                                        region_.y0 + list[i] / region_.width(),
-                                        moreSamples(pixel.samples), scratch, counted);
-                                }
+                                Batch batch{*this, scratch, counted};
+                                for (std::size_t i = piece * kPixelsPerPiece; i < end; ++i)
+                                    batch.add(region_.x0 + list[i] % region_.width(),
+                                              region_.y0 + list[i] / region_.width(),
+                                              moreSamples(pixels_[list[i]].samples));
+                                batch.trace();
                             });
     }
 
@@ -163,24 +166,40 @@ private:
 
     static LinearRgb mean(const Pixel& p) { return p.sum * (1.0 / p.samples); }
 
-    void add(Pixel& pixel, std::uint32_t x, std::uint32_t y, std::uint32_t count, Scratch& scratch,
-             RayCounts& counted) {
-        constexpr std::uint32_t kBatch = 64;
-        PicturePoint points[kBatch];
-        LinearRgb colors[kBatch];
-        for (std::uint32_t done = 0; done < count;) {
-            const std::uint32_t batch = std::min(kBatch, count - done);
-            for (std::uint32_t i = 0; i < batch; ++i) points[i] = pointOf(x, y, pixel.samples + i);
-            sampler_(view_, {points, batch}, colors, scratch, counted);
-            for (std::uint32_t i = 0; i < batch; ++i) {
-                const LinearRgb& c = colors[i];
-                pixel.sum += c;
-                pixel.sumOfSquares += c.r * c.r + c.g * c.g + c.b * c.b;
+    /// Samples of several pixels, traced together: few rays at a time cost twice as much each.
+    struct Batch {
+        static constexpr std::uint32_t kMost = 256;
+
+        Adaptive& adaptive;
+        Scratch& scratch;
+        RayCounts& counted;
+        std::uint32_t count = 0;
+        std::array<PicturePoint, kMost> points;
+        std::array<LinearRgb, kMost> colors;
+        std::array<Pixel*, kMost> pixels; // of each point
+
+        void add(std::uint32_t x, std::uint32_t y, std::uint32_t samples) {
+            Pixel& pixel = adaptive.at(x, y);
+            const std::uint32_t first = pixel.samples;
+            for (std::uint32_t k = first; k < first + samples; ++k) {
+                if (count == kMost) trace();
+                points[count] = pointOf(x, y, k), pixels[count] = &pixel;
+                ++count;
             }
-            pixel.samples += batch;
-            done += batch;
         }
-    }
+
+        void trace() {
+            adaptive.sampler_(adaptive.view_, {points.data(), count}, colors.data(), scratch,
+                              counted);
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const LinearRgb& c = colors[i];
+                pixels[i]->sum += c;
+                pixels[i]->sumOfSquares += c.r * c.r + c.g * c.g + c.b * c.b;
+                ++pixels[i]->samples;
+            }
+            count = 0;
+        }
+    };
 
     static double squaredDistance(const LinearRgb& a, const LinearRgb& b) {
         const double r = a.r - b.r, g = a.g - b.g, u = a.b - b.b;
