@@ -164,6 +164,12 @@ TEST(YamlReader, NamesTheBracketThatIsNotClosed) {
               "must stand\n"
               "    1 | a: [1, 2\n"
               "      |    ^\n");
+    EXPECT_EQ(refusal("a: {b: #aabbcc}\n"),
+              "s.yaml:1:4: error[E0352]: the '{' that opens here is not closed properly; line 2 "
+              "has no ',' or '}' where one must stand; ' #' starts a comment: put a colour in "
+              "quotes\n"
+              "    1 | a: {b: #aabbcc}\n"
+              "      |    ^\n");
     EXPECT_EQ(refusal("a: {b: [1,2}\n"),
               "s.yaml:1:12: error[E0352]: expected ']' for the '[' of line 1, but found '}'\n"
               "    1 | a: {b: [1,2}\n"
