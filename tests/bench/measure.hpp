@@ -43,4 +43,8 @@ void sweep(const Subject& subject, const Options& options, const std::string& co
 /// Updates of a movable tree against builds; one line for each kind of motion.
 void measureMoves(const Subject& subject, const Options& options);
 
+/// What a rigid body, or the whole mesh where none is marked, would gain as an instance: a tree at rest under a
+/// moving frame. One line for each class of rays.
+void measureInstance(const Subject& subject, const Options& options);
+
 } // namespace rt::bench

@@ -3,6 +3,7 @@
 // octree_bench [MESH...] [--json] [--rounds N] [--textbook] [--physical]   single rays, batches, builds
 // octree_bench --spheres [flake|random...]                       against Embree's points
 // octree_bench --moves [MESH...]                                 updates of moved primitives
+// octree_bench --instance [MESH...]                              a rigid body in a tree of its own
 // octree_bench --sweep CONSTANT [MESH...]                        max_objects, bins, least_cut or block_cost
 //
 // A MESH is a file that rt's loader reads, or one that bench_meshes.hpp makes. All structures take turns
@@ -22,7 +23,7 @@ namespace {
 
 int run(int argc, char** argv) {
     Options options;
-    bool spheres = false, moves = false;
+    bool spheres = false, moves = false, instance = false;
     std::string constant;
     std::vector<std::string> names;
     for (int i = 1; i < argc; ++i) {
@@ -37,6 +38,8 @@ int run(int argc, char** argv) {
             spheres = true;
         else if (word == "--moves")
             moves = true;
+        else if (word == "--instance")
+            instance = true;
         else if (word == "--textbook")
             options.textbook = true;
         else if (word == "--physical")
@@ -53,13 +56,16 @@ int run(int argc, char** argv) {
     if (options.rounds < 1) throw std::runtime_error("--rounds must be at least 1");
     if (names.empty())
         names = spheres ? std::vector<std::string>{"flake", "random"}
-                : moves ? std::vector<std::string>{"bodies", "ico"}
-                        : std::vector<std::string>{"scan70k", "scan870k", "ico", "stadium", "soup"};
+                : moves || instance
+                    ? std::vector<std::string>{"bodies", "ico"}
+                    : std::vector<std::string>{"scan70k", "scan870k", "ico", "stadium", "soup"};
     for (const std::string& name : names) {
         const Subject subject =
             spheres ? subjectOf(name, makeBalls(name)) : subjectOf(makeMesh(name));
         if (moves)
             measureMoves(subject, options);
+        else if (instance)
+            measureInstance(subject, options);
         else if (!constant.empty())
             sweep(subject, options, constant);
         else
