@@ -288,13 +288,15 @@ double shareDone(const FrameRange& frames, scene::Easing easing, std::uint32_t f
     return easing == scene::Easing::smooth ? x * x * (3 - 2 * x) : x;
 }
 
-std::vector<bool> facesMove(const scene::Description& description) {
-    std::vector<bool> result(description.objects.size(), false);
+std::vector<Moving> whatMoves(const scene::Description& description) {
+    std::vector<Moving> result(description.objects.size(), Moving::nothing);
     if (!description.animation) return result;
     for (const Track& track : description.animation->tracks) {
         const auto* target = std::get_if<scene::ObjectTarget>(&track.target);
-        if (!target || isKeyframed(track) || !(target->each || target->faces)) continue;
-        for (const std::uint32_t object : target->objects) result[object] = true;
+        if (!target || isKeyframed(track)) continue;
+        const Moving moving = target->each || target->faces ? Moving::faces : Moving::whole;
+        for (const std::uint32_t object : target->objects)
+            result[object] = std::max(result[object], moving);
     }
     return result;
 }

@@ -25,11 +25,13 @@ struct RestFace {
 struct RestObject {
     Vec3 center{0}; // what `move` brings to a point and `move_radius` measures from
     Vec3 normal{0}; // of a planar object, any length; 0: none, and rotate_self needs an axis
-    std::vector<RestFace> faces; // by source face; may be empty unless facesMove() says otherwise
+    std::vector<RestFace> faces; // by source face; may be empty unless Moving::faces
 };
 
-/// Does a track move faces of this object by themselves? Indexed like description.objects.
-std::vector<bool> facesMove(const scene::Description& description);
+/// What tracks move of an object: nothing, all of it as one, or faces by themselves too.
+enum class Moving : std::uint8_t { nothing, whole, faces };
+/// Indexed like description.objects.
+std::vector<Moving> whatMoves(const scene::Description& description);
 
 struct ObjectPose {
     AffineTransform worldFromRest;      // of what is not listed in `faces`; rigid

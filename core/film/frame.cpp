@@ -8,6 +8,7 @@
 
 namespace rt::film {
 
+using animation::Moving;
 using animation::ObjectPose;
 using animation::RestFace;
 using animation::RestObject;
@@ -79,10 +80,39 @@ std::vector<RestFace> facesOf(const geometry::Triangles& triangles, const Segmen
     return faces;
 }
 
+/// Appends moved copies of values to them: one for each pose in which a value is used, if the uses of a pose come in a
+/// row.
+class Copies {
+public:
+    explicit Copies(std::vector<Vec3>& values) : values_(values) {}
+
+    /// The index of the copy of values[index] in the pose, made by `apply`.
+    template <class Apply>
+    std::uint32_t of(std::uint32_t index, const AffineTransform* pose, const Apply& apply) {
+        if (latest_.empty()) latest_.resize(values_.size());
+        Copy& copy = latest_[index];
+        if (copy.pose != pose) {
+            copy = {pose, static_cast<std::uint32_t>(values_.size())};
+            values_.push_back(apply(values_[index]));
+        }
+        return copy.index;
+    }
+
+private:
+    struct Copy {
+        const AffineTransform* pose = nullptr;
+        std::uint32_t index = 0;
+    };
+    std::vector<Vec3>& values_;
+    std::vector<Copy> latest_; // of each value
+};
+
 /// Moves primitives in place. A vertex that faces with different poses share is split.
 class Mover {
 public:
-    explicit Mover(world::World& world) : world_(world), primitives_(world.primitives) {}
+    explicit Mover(world::World& world)
+        : primitives_(world.primitives), points_(primitives_.triangles.positions),
+          normals_(primitives_.triangles.normals) {}
 
     void move(const Segment& segment, const ObjectPose& pose) {
         if (segment.kind == Kind::triangle) return moveTriangles(segment, pose);
@@ -129,37 +159,25 @@ private:
     void moveTriangles(const Segment& segment, const ObjectPose& pose) {
         auto& triangles = primitives_.triangles;
         if (pose.faces.empty() && pose.worldFromRest.isIdentity()) return;
-        std::map<std::pair<std::uint32_t, const AffineTransform*>, std::uint32_t> points, normals;
         for (std::uint32_t i = segment.index; i < segment.index + segment.count; ++i) {
             const std::uint32_t face = sourceFaceOf(triangles, segment, i);
             const AffineTransform* worldFromRest =
                 face < pose.faces.size() ? &pose.faces[face] : &pose.worldFromRest;
             if (worldFromRest->isIdentity()) continue;
             for (std::uint32_t& corner : triangles.indices[i])
-                corner = moved(triangles.positions, points, corner, worldFromRest,
-                               [&](const Vec3& p) { return worldFromRest->point(p); });
+                corner = points_.of(corner, worldFromRest,
+                                    [&](const Vec3& p) { return worldFromRest->point(p); });
             if (triangles.normalIndices.empty()) continue;
             for (std::uint32_t& corner : triangles.normalIndices[i])
                 if (corner != geometry::kNoIndex)
-                    corner = moved(triangles.normals, normals, corner, worldFromRest,
-                                   [&](const Vec3& n) {
-                                       return numeric::normalize(worldFromRest->normal(n));
-                                   });
+                    corner = normals_.of(corner, worldFromRest, [&](const Vec3& n) {
+                        return numeric::normalize(worldFromRest->normal(n));
+                    });
         }
     }
 
-    /// The index of the moved copy of values[index]; made once for each pose.
-    template <class Known, class Apply>
-    static std::uint32_t moved(std::vector<Vec3>& values, Known& known, std::uint32_t index,
-                               const AffineTransform* pose, Apply apply) {
-        const auto [place, isNew] =
-            known.try_emplace({index, pose}, static_cast<std::uint32_t>(values.size()));
-        if (isNew) values.push_back(apply(values[index]));
-        return place->second;
-    }
-
-    world::World& world_;
     geometry::Primitives& primitives_;
+    Copies points_, normals_;
     std::map<std::uint32_t, std::uint32_t> movedShapes_;
 };
 
@@ -167,16 +185,17 @@ private:
 
 std::vector<RestObject> restObjects(const scene::Description& description,
                                     const world::World& rest) {
-    const std::vector<bool> facesMove = animation::facesMove(description);
+    const std::vector<Moving> moving = animation::whatMoves(description);
     std::vector<RestObject> objects(description.objects.size());
     std::vector<Box3d> bounds(objects.size());
     std::vector<std::uint64_t> counts(objects.size());
     for (const Segment& segment : rest.primitives.segments) {
         const auto object = static_cast<std::size_t>(segment.object);
+        if (moving[object] == Moving::nothing) continue;
         counts[object] += segment.count;
         bounds[object].add(boundsOf(rest.primitives, segment));
         if (counts[object] == 1) objects[object] = restOfOne(rest.primitives, segment);
-        if (facesMove[object] && segment.kind == Kind::triangle)
+        if (moving[object] == Moving::faces && segment.kind == Kind::triangle)
             objects[object].faces = facesOf(rest.primitives.triangles, segment);
     }
     for (std::size_t i = 0; i < objects.size(); ++i)

@@ -16,8 +16,8 @@ struct Frame {
     std::vector<bool> moved; // by object: it does not stand where it does at rest
 };
 
-/// Where the objects of `rest` stand, for the motions. The center of an object of one primitive is that primitive's own
-/// (a triangle's centroid); of any other, the middle of its bounds.
+/// Where the objects of `rest` that move stand, for the motions. The center of an object of one primitive is that
+/// primitive's own (a triangle's centroid); of any other, the middle of its bounds.
 std::vector<animation::RestObject> restObjects(const scene::Description& description,
                                                const world::World& rest);
 

@@ -281,7 +281,7 @@ TEST(Poses, AWholeMeshMovesAsOne) {
 TEST(Poses, EachFaceMovesAboutItsOwnCentroid) {
     const auto film = filmOf(1, {eachFace(track(scene::MoveRadius{{50, 40, 14}, 10}, {0, 2})),
                                  eachFace(track(scene::RotateSelf{std::nullopt, {1}}, {2, 4}))});
-    ASSERT_THAT(facesMove(film), testing::ElementsAre(true));
+    ASSERT_THAT(whatMoves(film), testing::ElementsAre(Moving::faces));
     const auto poses = posesOf(film, kMesh, 3);
     ASSERT_EQ(poses[0].faces.size(), 4u);
     for (std::size_t f = 0; f < 4; ++f) {
