@@ -94,6 +94,13 @@ Vec3 turned(const Vec3& v, const Vec3& axis, double angle) {
 const Vec3 kCenter{75, 65, 30}, kPivot{50, 60, 25};
 const std::vector<RestObject> kOne{{.center = kCenter, .normal = {0, 0, 0}, .faces = {}}};
 
+const std::vector<RestObject> kMesh{{.center = {50, 40, 14},
+                                     .normal = {},
+                                     .faces = {{{49, 41, 11}, {0, 0, -1}},
+                                               {{51, 39, 17}, {0, 0, 1}},
+                                               {{51, 37, 13}, {0, -1, 0}},
+                                               {{53, 41, 13}, {2, 0, 0}}}}};
+
 double linearShare(FrameRange frames, std::uint32_t k) {
     return k <= frames.first  ? 0
            : k >= frames.last ? 1
@@ -120,6 +127,50 @@ TEST_P(EveryMotion, FollowsItsClosedFormInEveryFrame) {
             const auto poses = posesOf(film, kOne, k);
             expectNear(poses[0].worldFromRest.point(kCenter), GetParam().center(kCenter, share),
                        "frame " + std::to_string(k));
+        }
+    }
+}
+
+TEST_P(EveryMotion, CarriesFacesByThemselvesInEveryFrame) {
+    const FrameRange frames{7, 61};
+    const auto film = filmOf(1, {eachFace(track(GetParam().motion, frames))});
+    for (std::uint32_t k = 0; k <= 96; ++k) {
+        const auto poses = posesOf(film, kMesh, k);
+        ASSERT_EQ(poses[0].faces.size(), kMesh[0].faces.size());
+        for (std::size_t f = 0; f < kMesh[0].faces.size(); ++f) {
+            const Vec3& rest = kMesh[0].faces[f].centroid;
+            expectNear(poses[0].faces[f].point(rest),
+                       GetParam().center(rest, linearShare(frames, k)),
+                       "face " + std::to_string(f) + " in frame " + std::to_string(k));
+        }
+    }
+}
+
+TEST_P(EveryMotion, CarriesTheCameraInEveryFrame) {
+    using scene::CameraPoint;
+    const FrameRange frames{7, 61};
+    for (const CameraPoint point : {CameraPoint::position, CameraPoint::front, CameraPoint::top}) {
+        const auto film = filmOf(1, {cameraTrack(point, GetParam().motion, frames)});
+        const Vec3 forward = normalize(film.camera.forward);
+        const Vec3 eye = film.camera.position, front = eye + forward * film.camera.screenDistance,
+                   top = eye + (film.camera.up - forward * dot(film.camera.up, forward));
+        for (std::uint32_t k = 0; k <= 96; ++k) {
+            const scene::Camera camera = stillOf(film, k).camera;
+            if (k <= frames.first) {
+                EXPECT_EQ(camera.position, film.camera.position);
+                EXPECT_EQ(camera.forward, film.camera.forward);
+                EXPECT_EQ(camera.up, film.camera.up);
+                continue;
+            }
+            const auto at = [&](CameraPoint which, const Vec3& rest) {
+                return which == point ? GetParam().center(rest, linearShare(frames, k)) : rest;
+            };
+            const Vec3 position = at(CameraPoint::position, eye);
+            const std::string what =
+                "point " + std::to_string(static_cast<int>(point)) + ", frame " + std::to_string(k);
+            expectNear(camera.position, position, what);
+            expectNear(camera.forward, at(CameraPoint::front, front) - position, what);
+            expectNear(camera.up, at(CameraPoint::top, top) - position, what);
         }
     }
 }
@@ -263,13 +314,6 @@ TEST(Poses, AShrinkingRadiusNeverMeetsNan) {
 }
 
 // ---- meshes ----------------------------------------------------------------------------------------------------
-
-const std::vector<RestObject> kMesh{{.center = {50, 40, 14},
-                                     .normal = {},
-                                     .faces = {{{49, 41, 11}, {0, 0, -1}},
-                                               {{51, 39, 17}, {0, 0, 1}},
-                                               {{51, 37, 13}, {0, -1, 0}},
-                                               {{53, 41, 13}, {2, 0, 0}}}}};
 
 TEST(Poses, AWholeMeshMovesAsOne) {
     const auto film = filmOf(1, {track(scene::Move{{0, 0, 0}}, {0, 2})});
@@ -418,13 +462,14 @@ TEST(Poses, BackgroundsFade) {
         EXPECT_EQ(background.fade->texture, next) << k;
         EXPECT_EQ(background.fade->share, share) << k;
     };
-    check(0, 0, 0, 0);
-    check(3, 0, 0, 0);
-    check(4, 0, 1, 1.0 / 6);
-    check(8, 0, 1, 5.0 / 6);
-    check(9, 1, 0, 0);
-    check(22, 1, 0, 0.5);
-    check(96, 0, 0, 0);
+    for (std::uint32_t k = 0; k <= 96; ++k) {
+        if (k < 9)
+            check(k, 0, 1, linearShare({3, 9}, k));
+        else if (k < 24)
+            check(k, 1, 0, linearShare({20, 24}, k));
+        else
+            check(k, 0, 0, 0);
+    }
 }
 
 TEST(Poses, AColourFadesToATexture) {

@@ -67,6 +67,31 @@ TEST_F(LegacyFiles, EachSceneConvertsChecksAndRenders) {
     EXPECT_GE(scenes, 9u);
 }
 
+/// Small, on one thread, on seven, and some images alone.
+TEST_F(LegacyFiles, BothFilmsRenderToTheLastImage) {
+    struct Author {
+        std::string name, options;
+        std::size_t images;
+    };
+    for (const Author& author :
+         {Author{"author_a", " --allow-missing", 289}, {"author_b", "", 97}}) {
+        SCOPED_TRACE(author.name);
+        const fs::path scene = fs::canonical(shared() / "legacy" / author.name / "Scene.inf");
+        ASSERT_EQ(run({"convert", scene.string(), "-o", author.name + ".yaml"}).exitCode, 0);
+        const std::string render =
+            "render " + author.name + ".yaml --size 64x36" + author.options + " -o ";
+        EXPECT_EQ(linesOf(rt(render + "one_%d.pfm -t 1 --overwrite").out).size(), author.images);
+        EXPECT_EQ(linesOf(rt(render + "seven_%d.pfm -t 7 --overwrite").out).size(), author.images);
+        for (std::size_t k = 0; k < author.images; ++k) {
+            const std::string number = std::to_string(k), image = read("one_" + number + ".pfm");
+            EXPECT_TRUE(read("seven_" + number + ".pfm") == image) << number;
+            if (k % 24) continue;
+            EXPECT_EQ(rt(render + "alone.pfm --frames " + number).exitCode, 0);
+            EXPECT_TRUE(read("alone.pfm") == image) << number;
+        }
+    }
+}
+
 class SharedMeshes : public Cli {
 protected:
     void SetUp() override {
