@@ -54,7 +54,8 @@ struct alignas(64) Bundle {
     CrossingSink* sink;  // of a crossing query
     std::uint32_t first; // number of the first ray there
     // for the f32 filter, where there are triangles: octree space, relative to `reference`, axes as kx, ky, kz
-    float filterX[kRays], filterY[kRays], filterZ[kRays], filterShearX[kRays], filterShearY[kRays];
+    alignas(64) float filterX[kRays], filterY[kRays], filterZ[kRays], filterShearX[kRays],
+        filterShearY[kRays];
     double reference[3]; // [axis]
     float filterError;   // of a sheared coordinate
 };
