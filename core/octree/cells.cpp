@@ -28,7 +28,7 @@ struct Spread {
         // after[kNodeChildren − 1 + k]: of the second one in k + 1 slots
         float after[3 * kNodeChildren];
         for (float& x : after) x = kInfinityF32;
-        std::copy(above, above + kNodeChildren - 1, after + kNodeChildren - 1);
+        std::ranges::copy(above, after + kNodeChildren - 1);
         for (int half = 0; half < kNodeChildren; half += 4) {
             __m128 least = _mm_set1_ps(kInfinityF32);
             __m128i first = _mm_set1_epi32(1);
