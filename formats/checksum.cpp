@@ -4,7 +4,6 @@
 #include <xxhash.h>
 
 #include <fstream>
-#include <memory>
 #include <vector>
 
 namespace rt::formats {
@@ -27,14 +26,13 @@ std::string checksum(std::string_view text) { return checksum(std::as_bytes(std:
 
 std::optional<std::string> checksumOfFile(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
-    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
-                                                                         &XXH3_freeState);
-    XXH3_128bits_reset(state.get());
+    XXH3_state_t state; // one that XXH3_createState allocates may be none
+    XXH3_128bits_reset(&state);
     std::vector<char> buffer(std::size_t(1) << 20);
     while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), file.gcount() > 0)
-        XXH3_128bits_update(state.get(), buffer.data(), static_cast<std::size_t>(file.gcount()));
+        XXH3_128bits_update(&state, buffer.data(), static_cast<std::size_t>(file.gcount()));
     if (!file.eof()) return {};
-    return spelled(XXH3_128bits_digest(state.get()));
+    return spelled(XXH3_128bits_digest(&state));
 }
 
 } // namespace rt::formats
