@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 namespace rt::faults {
@@ -343,6 +344,8 @@ TEST_F(Threats, Threat09PluginNames) {
          std::initializer_list<std::string>{"../../evil", "a/b", "evil.so", "Evil", "'evil\\0'",
                                             "'" + std::string(1'000, 'e') + "'"})
         refusedScene(kHead + "objects: [" + name + ": {}]\n", 5, "E0523");
+    refusedScene(kHead + "objects: [" + std::string(100'000, 'e') + ": {}]\n", 3,
+                 "E0352"); // longer than YAML has a key
     // No search path of the system's is used, and no folder of the scene's.
     fs::copy_file(fs::path(RT_TEST_MODULES) / "constructor/dot.rtplugin.so",
                   folder_ / "dot.rtplugin.so");
@@ -350,6 +353,27 @@ TEST_F(Threats, Threat09PluginNames) {
     hijack.environment = {"LD_LIBRARY_PATH=:", "RT_PLUGIN_PATH=::"};
     write("bad.yaml", kHead + "objects: [dot: {}]\n");
     EXPECT_EQ(rt("check bad.yaml", hijack).exitCode, 5);
+}
+
+/// Who may not name plugins to somebody else's rt cannot do it by the environment either.
+TEST_F(Threats, Threat09ASetuidProgramIgnoresThePath) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+    struct statvfs place {};
+    ASSERT_EQ(::statvfs(folder_.c_str(), &place), 0);
+    if (place.f_flag & ST_NOSUID) GTEST_SKIP() << "no program is setuid here";
+    constexpr unsigned kNobody = 65534;
+    const fs::path own = folder_ / "rt";
+    fs::copy_file(RT_BINARY, own);
+    RunOptions options;
+    options.program = own.string();
+    options.environment = {"RT_PLUGIN_PATH=" RT_TEST_MODULES "/good"};
+    EXPECT_NE(rt("plugins", options).out.find("dot"), std::string::npos);
+    fs::permissions(folder_, fs::perms{0755});
+    ASSERT_EQ(::chown(own.c_str(), kNobody, kNobody), 0);
+    ASSERT_EQ(::chmod(own.c_str(), 04755), 0); // after chown, which takes the bit away
+    const Outcome o = rt("plugins", options);
+    EXPECT_EQ(o.exitCode, 0) << o.err;
+    EXPECT_EQ(o.out.find("dot"), std::string::npos) << o.out;
 }
 
 TEST_F(Threats, Threat10ModulesThatAreNone) {
@@ -370,7 +394,7 @@ TEST_F(Threats, Threat10ModulesThatAreNone) {
     narrow[4] = 1; // ELFCLASS32
     refusedModule(narrow);
     for (const std::string& kind : std::initializer_list<std::string>{
-             "major_2", "minor_newer", "layout", "magic", "size", "no_entry"}) {
+             "major_0", "major_2", "minor_newer", "layout", "magic", "size", "no_entry"}) {
         const Outcome o = rt("check bad.yaml --plugin-dir " RT_TEST_MODULES "/" + kind);
         EXPECT_EQ(o.exitCode, 5) << kind;
         EXPECT_NE(o.err.find("was refused"), std::string::npos) << o.err;
@@ -387,6 +411,17 @@ TEST_F(Threats, Threat11PluginsThatThrow) {
             << o.err;
         EXPECT_FALSE(exists("a.pfm"));
     }
+}
+
+TEST_F(Threats, Threat11PluginsThatAskForTooMuchMemory) {
+    RT_NOT_SANITIZED("its operator new ends the program");
+    write("a.pfm", "old");
+    write("bad.yaml", kHead + "objects: [rude: {act: allocate}]\n");
+    const Outcome o = rt("render bad.yaml -o a.pfm --plugin-dir " RT_TEST_MODULES "/rude");
+    EXPECT_EQ(o.exitCode, 5) << o.err;
+    EXPECT_NE(o.err.find("bad.yaml:4:11: error[E0531]: shape 'rude': "), std::string::npos)
+        << o.err;
+    EXPECT_EQ(read("a.pfm"), "old");
 }
 
 /// Each kind of end, in each kind of call: tests/cli/crashes.cpp.

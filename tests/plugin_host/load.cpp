@@ -54,6 +54,8 @@ TEST(Load, OpensWhatTheOtherCompilerBuilt) {
 }
 
 TEST(Load, RefusesAnotherMajor) {
+    EXPECT_EQ(whyRefused("major_0"),
+              "it was built for plugin ABI 0.1 and this rt speaks 1.1; rebuild it against this rt");
     EXPECT_EQ(whyRefused("major_2"),
               "it was built for plugin ABI 2.1 and this rt speaks 1.1; rebuild it against this rt");
 }

@@ -1,6 +1,7 @@
-// Lets exceptions out and fails without a word; written against the C header alone.
+// Lets exceptions out, asks for more memory than there is, and fails without a word; written against the C header alone.
 #include <rt/plugin.h>
 
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +12,7 @@ rt_status lower(const rt_host* host, const rt_value* values, rt_sink*) {
     const std::string act = values[0].text;
     if (act == "throw") throw std::runtime_error("out of my way");
     if (act == "throw int") throw 7;
+    if (act == "allocate") ::operator delete(::operator new (~std::size_t{0} / 4));
     if (act == "null reason") return host->fail(host, -1, nullptr);
     if (act == "bad parameter") return host->fail(host, 99, "parameter 99 is wrong");
     return RT_FAILED;
