@@ -8,6 +8,9 @@
 
 #include <sched.h>
 #include <signal.h>
+#ifdef RT_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -99,6 +102,43 @@ private:
     bool before_ = insideArena;
 };
 
+/// Tells ThreadSanitizer, which does not see into oneTBB, that what came before give() is seen after take().
+class Handover {
+public:
+#ifdef RT_THREAD_SANITIZER
+    void give() { __tsan_release(this); }
+    void take() { __tsan_acquire(this); }
+#else
+    void give() {}
+    void take() {}
+#endif
+};
+
+/// Around what runs tasks: they see what the caller did before, and the caller what they did.
+class Tasks {
+public:
+    Tasks() { begun_.give(); }
+    ~Tasks() { ended_.take(); }
+    Tasks(const Tasks&) = delete;
+    Tasks& operator=(const Tasks&) = delete;
+
+    /// Around one task.
+    class Task {
+    public:
+        explicit Task(Tasks& tasks) : tasks_(tasks) { tasks_.begun_.take(); }
+        ~Task() { tasks_.ended_.give(); }
+        Task(const Task&) = delete;
+        Task& operator=(const Task&) = delete;
+
+    private:
+        Tasks& tasks_;
+        const Inside inside_;
+    };
+
+private:
+    Handover begun_, ended_;
+};
+
 /// Gives each worker a stack for signal handlers, so that the overflow of its own can be reported.
 class HandlerStacks : public tbb::task_scheduler_observer {
 public:
@@ -149,10 +189,11 @@ void withThreads(int threads, const std::function<void()>& body) {
 
 void forEach(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
     if (threads == 0 && insideArena) {
+        Tasks tasks;
         tbb::parallel_for(
             std::size_t{0}, count,
             [&](std::size_t i) {
-                const Inside inside;
+                const Tasks::Task task(tasks);
                 body(i);
             },
             tbb::simple_partitioner{});
@@ -167,13 +208,14 @@ void forEach(std::size_t count, int threads, const std::function<void(std::size_
 
 void invoke(const std::function<void()>& a, const std::function<void()>& b) {
     if (!insideArena) return withThreads(0, [&] { invoke(a, b); });
+    Tasks tasks;
     tbb::parallel_invoke(
         [&] {
-            const Inside inside;
+            const Tasks::Task task(tasks);
             a();
         },
         [&] {
-            const Inside inside;
+            const Tasks::Task task(tasks);
             b();
         });
 }

@@ -8,7 +8,7 @@ function(rt_add_plugin name)
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".rtplugin.so"
                         C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_link_options(${name} PRIVATE -Wl,--version-script=${RT_PLUGIN_EXPORTS})
-  if(NOT RT_FUZZ) # clang's sanitizers leave their symbols to the program
+  if(NOT RT_FUZZ AND NOT RT_SANITIZE) # clang's sanitizers leave their symbols to the program
     target_link_options(${name} PRIVATE -Wl,-z,defs)
   endif()
 endfunction()

@@ -159,6 +159,9 @@ Outcome Cli::run(const std::vector<std::string>& arguments, const RunOptions& op
     const Pipe out = makePipe(), err = options.terminal ? makeTerminal() : makePipe();
     std::vector<std::string> environment{"PATH=/usr/bin:/bin", "HOME=" + folder_.string(),
                                          "TERM=xterm", "LC_ALL=C.UTF-8"};
+    for (const char* const sanitizer : {"ASAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS"})
+        if (const char* const value = std::getenv(sanitizer))
+            environment.push_back(std::string(sanitizer) + "=" + value);
     for (const std::string& variable : options.environment) {
         const std::string name = variable.substr(0, variable.find('=') + 1);
         std::erase_if(environment,
