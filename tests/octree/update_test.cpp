@@ -1,5 +1,4 @@
-// A tree that follows moved primitives against one that is built anew.
-// RT_OCTREE_MOTIONS=10000 runs the acceptance figure on a mesh of 100 000 triangles.
+// A tree that follows moved primitives against one that is built anew. Many motions: A3 of tests/stability/motion.cpp.
 #include "scenes.hpp"
 
 #include <core/geometry/moved.hpp>
@@ -9,7 +8,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 
 namespace rt::test {
 namespace {
@@ -234,57 +232,6 @@ TEST(MovedBetween, NamesWhatDiffersByValue) {
     EXPECT_EQ(moved, geometry::movedBetween(before, after));
     addSpheres(after, {{Vec3(0.0), 1}});
     EXPECT_FALSE(geometry::movedBetween(before, after));
-}
-
-/// Each motion moves 1 % of the faces by at most 1 % of the diagonal.
-TEST(Update, ManyRandomMotionsCostLittle) {
-    const char* const wanted = std::getenv("RT_OCTREE_MOTIONS");
-    const int motions = wanted ? std::atoi(wanted) : 60;
-    const Mesh ball = icosphere(wanted ? 6 : 5, 1, Vec3(0.0), 0.05);
-    Scene scene;
-    Primitives& p = *scene.primitives;
-    addMesh(p, ball.positions, ball.indices);
-    if (wanted) {
-        const Mesh more = icosphere(5, 0.5, Vec3(0.0), 0.05);
-        addMesh(p, more.positions, more.indices);
-    }
-    separate(p);
-    const double diagonal = 2 * std::sqrt(3.0);
-    Random random(1);
-    Octree tree = Octree::build(p, {.movable = true});
-    std::size_t differing = 0, whole = 0;
-    std::uint64_t rebuilt = 0;
-    double mostNodes = 0, mostCost = 0;
-    const auto report = [&](int done) {
-        std::printf("%d motions of %u triangles: %zu hits differ, nodes %.3f and cost %.3f of a "
-                    "fresh build at most, %.3f of the tree built anew per motion, %zu times the "
-                    "whole\n",
-                    done, p.count(), differing, mostNodes, mostCost,
-                    static_cast<double>(rebuilt) / p.count() / done, whole);
-        std::fflush(stdout);
-    };
-    for (int i = 0; i < motions; ++i) {
-        if (i && i % 500 == 0) report(i);
-        std::vector<PrimitiveId> moved;
-        for (std::uint32_t k = 0; k < p.count() / 100; ++k) {
-            moved.push_back(PrimitiveId{random.below(p.count())});
-            move(p, moved.back(), random.direction() * (random.unit() * 0.01 * diagonal));
-        }
-        const auto did = tree.update(p, moved);
-        whole += did.whole;
-        rebuilt += did.rebuilt;
-        const Octree fresh = Octree::build(p, {.movable = true});
-        differing += countDiffering(tree, fresh, scene, 100 * static_cast<std::uint64_t>(i), 100);
-        const auto ours = tree.statistics(), theirs = fresh.statistics();
-        mostNodes = std::max(mostNodes,
-                             static_cast<double>(ours.nodes) / static_cast<double>(theirs.nodes));
-        mostCost = std::max(mostCost, ours.cost / theirs.cost);
-        ASSERT_EQ(p.count(), primitivesIn(tree));
-    }
-    EXPECT_EQ(0u, differing);
-    EXPECT_LE(mostNodes, kMostNodes);
-    EXPECT_LE(mostCost, kMostCost);
-    report(motions);
 }
 
 } // namespace
