@@ -5,13 +5,13 @@
 //    keeps its subtree, and leaves its node with all below when it has gone elsewhere. Empty leaves go, a
 //    leaf that has lost some takes in another, nodes whose children their parent has room for go.
 // 2. What left enters again where it costs least: into a leaf, an empty slot, or a new node above a
-//    child [Goldsmith, Salmon 1987], looked for on the way down to the leaf that grows least.
-// 3. Going down from the root, subtrees whose cost has drifted by itself are built anew by Cells. Where primitives
+//    child: entrance.hpp.
+// 3. Going down from the root, subtrees whose cost has drifted by itself are built anew: upkeep.hpp. Where primitives
 //    move alone, the tree wears out everywhere: some subtrees of a few thousand are built anew in each
 //    update, those first that have drifted most. What that gains in cost and nodes says how good the tree
 //    still is, and so how many more are due, or the whole.
 //
-// Answers do not depend on the tree; cost does: see octree_bench --moves and tests/octree/update_test.cpp.
+// Answers do not depend on the tree; cost does: see octree_bench --moves and A3 of tests/stability.
 #pragma once
 #include <core/octree/octree.hpp>
 #include <core/octree/tree.hpp>
