@@ -185,7 +185,7 @@ private:
                          ") rotate(-90)\"");
     }
 
-    /// Through each series in the order of its dots, and along the front by x.
+    /// Through each series in the order of its dots; and by x through those of the front that are the lowest so far.
     void lines() {
         const auto path = [&](const std::vector<const Dot*>& along, const std::string& look) {
             if (along.size() < 2) return;
@@ -205,7 +205,10 @@ private:
         for (const std::size_t i : plot_.front) front.push_back(&plot_.dots[i]);
         std::sort(front.begin(), front.end(),
                   [](const Dot* a, const Dot* b) { return a->x < b->x; });
-        path(front, "class=\"front\"");
+        std::vector<const Dot*> lowest;
+        for (const Dot* d : front)
+            if (lowest.empty() || d->y < lowest.back()->y) lowest.push_back(d);
+        path(lowest, "class=\"front\"");
     }
 
     void dots() {

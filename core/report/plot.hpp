@@ -17,7 +17,7 @@ struct Dot {
 struct Plot {
     std::string title, xName, yName;
     std::vector<Dot> dots;          // at least one
-    std::vector<std::size_t> front; // dots that a dashed line joins
+    std::vector<std::size_t> front; // dots; a dashed line joins them as far as it falls
     std::string filled, hollow;     // what these say; empty: not in the legend
 };
 
