@@ -1,6 +1,7 @@
 // What the boundary costs: nothing for core primitives, an indirect call per leaf for custom shapes.
 #include <core/octree/octree.hpp>
 #include <tests/plugin_host/describe.hpp>
+#include <tests/sanitized.hpp>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,7 @@ double trace(const octree::Octree& octree, std::uint64_t& hits) {
 }
 
 TEST(BoundaryCost, CustomSpheresCostAtMostTwiceTheirKind) {
+    RT_NOT_SANITIZED("it slows some code down more than other");
     test::Scene scenes[2] = {test::Scene({std::filesystem::path(RT_TEST_MODULES) / "ball_grid"}),
                              test::Scene({std::filesystem::path(RT_TEST_MODULES) / "ball_grid"})};
     std::optional<world::World> worlds[2];
