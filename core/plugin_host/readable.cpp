@@ -3,6 +3,7 @@
 #include <core/plugin_host/call.hpp>
 #include <core/scene/input_file.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace rt::plugin_host {
@@ -24,8 +25,9 @@ std::optional<std::pair<scene::Code, std::string>> whyUnreadable(const std::stri
 std::string suggestionFor(const std::string& missing) {
     const fs::path path(missing);
     constexpr std::size_t kMostNames = 10000; // a folder with more is not worth the wait
-    const auto names = scene::namesIn(
+    auto names = scene::namesIn(
         path.has_parent_path() ? path.parent_path().string() : std::string("."), kMostNames);
+    std::ranges::sort(names); // of those that are as near, the first, on any file system
     const std::string name = scene::nearest(path.filename().string(), names);
     return name.empty() ? "" : "did you mean '" + name + "'?";
 }
