@@ -377,12 +377,6 @@ std::optional<Location> indentingTab(const std::shared_ptr<const scene::Source>&
     return std::nullopt;
 }
 
-std::string_view lineOf(const Location& place) {
-    std::string_view rest = place.source->text;
-    for (std::uint32_t line = 1; line < place.line; ++line) rest.remove_prefix(rest.find('\n') + 1);
-    return rest.substr(0, rest.find('\n'));
-}
-
 /// yaml-cpp's terse words as a sentence with a place.
 void reportSyntax(const YAML::Exception& exception,
                   const std::shared_ptr<const scene::Source>& source, const TreeBuilder& builder,
@@ -405,14 +399,15 @@ void reportSyntax(const YAML::Exception& exception,
                                          std::string(open) + "' of line " +
                                          std::to_string(flow->location.line) + ", but found '" +
                                          here[0] + "'");
-        const std::size_t comment = lineOf(flow->location).find(" #", flow->location.column);
-        return diagnostics.error(
-            kUnclosed, flow->location,
-            "the '" + std::string(open) + "' that opens here is not closed properly; line " +
-                std::to_string(place.line) + " has no ',' or '" + std::string(close) +
-                "' where one must stand",
-            comment != std::string_view::npos ? "' #' starts a comment: put a colour in quotes"
-                                              : "");
+        const auto line = scene::lineOf(flow->location);
+        const bool hasComment =
+            line && line->find(" #", flow->location.column) != std::string_view::npos;
+        return diagnostics.error(kUnclosed, flow->location,
+                                 "the '" + std::string(open) +
+                                     "' that opens here is not closed properly; line " +
+                                     std::to_string(place.line) + " has no ',' or '" +
+                                     std::string(close) + "' where one must stand",
+                                 hasComment ? "' #' starts a comment: put a colour in quotes" : "");
     }
     if (const auto tab = indentingTab(source, place.line); tab && !startsWith("unknown token"))
         return diagnostics.error(kTab, *tab, "a tab indents this line; YAML wants spaces");

@@ -34,19 +34,6 @@ std::string sentenceOf(const Diagnostic& diagnostic) {
                                          : diagnostic.message + "; " + diagnostic.suggestion;
 }
 
-std::optional<std::string_view> lineOf(const Location& location) {
-    if (!location.source || location.line == 0) return std::nullopt;
-    std::string_view rest = location.source->text;
-    for (std::uint32_t line = 1; line < location.line; ++line) {
-        const std::size_t end = rest.find('\n');
-        if (end == std::string_view::npos) return std::nullopt;
-        rest.remove_prefix(end + 1);
-    }
-    std::string_view line = rest.substr(0, rest.find('\n'));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-}
-
 /// The source line with a caret below it, cut to kExcerptWidth columns around the caret.
 std::string excerpt(const Location& location, bool colour) {
     const auto line = lineOf(location);
@@ -134,6 +121,19 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 }
 
 } // namespace
+
+std::optional<std::string_view> lineOf(const Location& location) {
+    if (!location.source || location.line == 0) return std::nullopt;
+    std::string_view rest = location.source->text;
+    for (std::uint32_t line = 1; line < location.line; ++line) {
+        const std::size_t end = rest.find('\n');
+        if (end == std::string_view::npos) return std::nullopt;
+        rest.remove_prefix(end + 1);
+    }
+    std::string_view line = rest.substr(0, rest.find('\n'));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
 
 std::string codeName(Code code) {
     std::string digits = std::to_string(static_cast<unsigned>(code));

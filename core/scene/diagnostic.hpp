@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,9 @@ struct Location {
     std::shared_ptr<const Source> source;
     std::uint32_t line = 0, column = 0;
 };
+
+/// The line of the source, without its end; none if there is no such line.
+std::optional<std::string_view> lineOf(const Location& location);
 
 /// E0<exit><nn>: the second digit is the exit code that the error ends the program with (0 for
 /// notes and warnings). E0312 is explained by `rt explain E0312`, whose texts stand in

@@ -207,18 +207,13 @@ Parsed<Vec3> parseTriple(const Node& node, const rt_param& row, std::string_view
 
 /// A '#' after a blank starts a comment, so that an unquoted colour is no value at all.
 bool isUnquotedHexColor(const Node& node) {
-    if (node.kind != Kind::null || !node.location.source) return false;
-    std::string_view text = node.location.source->text;
-    for (std::uint32_t line = 1; line < node.location.line; ++line) {
-        const std::size_t end = text.find('\n');
-        if (end == std::string_view::npos) return false;
-        text.remove_prefix(end + 1);
-    }
-    text = text.substr(0, text.find('\n'));
-    const std::size_t hash = text.find(": #", node.location.column - 1);
-    if (hash == std::string_view::npos || text.size() < hash + 9) return false;
-    return std::all_of(text.begin() + static_cast<std::ptrdiff_t>(hash) + 3,
-                       text.begin() + static_cast<std::ptrdiff_t>(hash) + 9,
+    if (node.kind != Kind::null) return false;
+    const auto line = lineOf(node.location);
+    if (!line) return false;
+    const std::size_t hash = line->find(": #", node.location.column - 1);
+    if (hash == std::string_view::npos || line->size() < hash + 9) return false;
+    return std::all_of(line->begin() + static_cast<std::ptrdiff_t>(hash) + 3,
+                       line->begin() + static_cast<std::ptrdiff_t>(hash) + 9,
                        [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
 }
 
