@@ -70,18 +70,6 @@ void FrameDrawer::update(const geometry::Primitives& primitives,
         keepLeast(statistics_.fastestUpdate, seconds / static_cast<double>(moved.size()));
 }
 
-std::vector<geometry::PrimitiveId> FrameDrawer::movedIn(const film::Frame& frame) const {
-    std::vector<geometry::PrimitiveId> moved;
-    for (const geometry::Segment& segment : frame.world.primitives.segments) {
-        const auto object = static_cast<std::size_t>(segment.object);
-        if (!frame.moved[object] && !before_->moved[object]) continue;
-        for (std::uint32_t i = 0; i < segment.count; ++i)
-            moved.push_back(
-                static_cast<geometry::PrimitiveId>(static_cast<std::uint32_t>(segment.first) + i));
-    }
-    return moved;
-}
-
 void FrameDrawer::raise(std::unique_ptr<const film::Frame> frame, int threads) {
     const geometry::Primitives& primitives = frame->world.primitives;
     statistics_.primitives = primitives.count();
@@ -91,7 +79,8 @@ void FrameDrawer::raise(std::unique_ptr<const film::Frame> frame, int threads) {
         // Lowered anew, a frame may have other primitives than the one before.
         ++statistics_.lowered;
         build(primitives, threads);
-    } else if (const auto moved = movedIn(*frame); statistics_.foreseesSlowerUpdate(moved.size())) {
+    } else if (const auto moved = film::movedBetween(*before_, *frame);
+               statistics_.foreseesSlowerUpdate(moved.size())) {
         ++statistics_.foreseen;
         build(primitives, threads);
     } else {

@@ -61,8 +61,6 @@ private:
 
     /// The octree follows from the frame before; its answers are those of a fresh one.
     void raise(std::unique_ptr<const film::Frame> frame, int threads);
-    /// Against the frame before.
-    std::vector<geometry::PrimitiveId> movedIn(const film::Frame& frame) const;
     void build(const geometry::Primitives& primitives, int threads);
     void update(const geometry::Primitives& primitives,
                 const std::vector<geometry::PrimitiveId>& moved);

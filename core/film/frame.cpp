@@ -229,4 +229,16 @@ std::optional<Frame> frameAt(const scene::Description& description, const world:
     return result;
 }
 
+std::vector<geometry::PrimitiveId> movedBetween(const Frame& before, const Frame& after) {
+    std::vector<geometry::PrimitiveId> moved;
+    for (const Segment& segment : after.world.primitives.segments) {
+        const auto object = static_cast<std::size_t>(segment.object);
+        if (!after.moved[object] && !before.moved[object]) continue;
+        for (std::uint32_t i = 0; i < segment.count; ++i)
+            moved.push_back(
+                static_cast<geometry::PrimitiveId>(static_cast<std::uint32_t>(segment.first) + i));
+    }
+    return moved;
+}
+
 } // namespace rt::film

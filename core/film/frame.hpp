@@ -32,4 +32,7 @@ std::optional<Frame> frameAt(const scene::Description& description, const world:
                              std::uint32_t frame, const Lower& lower,
                              scene::Diagnostics& diagnostics);
 
+/// Primitives that may stand elsewhere in the later of two frames that have the same ones; by rising id.
+std::vector<geometry::PrimitiveId> movedBetween(const Frame& before, const Frame& after);
+
 } // namespace rt::film

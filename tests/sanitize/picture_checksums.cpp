@@ -49,14 +49,7 @@ private:
         if (number == 0) {
             tree_ = octree::Octree::build(primitives, {.threads = kThreads, .movable = true});
         } else {
-            std::vector<geometry::PrimitiveId> moved;
-            for (const geometry::Segment& segment : primitives.segments)
-                if (const auto object = static_cast<std::size_t>(segment.object);
-                    frame->moved[object] || before_->moved[object])
-                    for (std::uint32_t i = 0; i < segment.count; ++i)
-                        moved.push_back(static_cast<geometry::PrimitiveId>(
-                            static_cast<std::uint32_t>(segment.first) + i));
-            tree_.update(primitives, moved);
+            tree_.update(primitives, film::movedBetween(*before_, *frame));
         }
         before_ = std::move(frame);
         trace::Options options;
