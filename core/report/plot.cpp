@@ -146,15 +146,14 @@ private:
                     "</g>" + text(x + kAfterMarker, y + 4, "start", words);
             x += kAfterMarker + widthOf(words) + kGap;
         };
+        const bool anyBound =
+            std::any_of(plot_.dots.begin(), plot_.dots.end(), [](const Dot& d) { return d.bound; });
         for (const std::string& name : series_) entry(name, marker(styleOf(name), 0, 0, true));
-        if (!plot_.filled.empty() ||
-            std::any_of(plot_.dots.begin(), plot_.dots.end(), [](const Dot& d) { return d.bound; }))
-            x = kWidth; // a row of its own
+        if (!plot_.filled.empty() || anyBound) x = kWidth; // a row of its own
         constexpr Style kAny{"#777", kStyles[0].marker};
         if (!plot_.filled.empty()) entry(plot_.filled, marker(kAny, 0, 0, true));
         if (!plot_.hollow.empty()) entry(plot_.hollow, marker(kAny, 0, 0, false));
-        if (std::any_of(plot_.dots.begin(), plot_.dots.end(), [](const Dot& d) { return d.bound; }))
-            entry("none seen: at most so many, 95 %", arrow(0, -6));
+        if (anyBound) entry("none seen: at most so many, 95 %", arrow(0, -6));
         top_ = y + kLegendRow;
     }
 

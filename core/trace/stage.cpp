@@ -113,8 +113,7 @@ std::vector<std::uint8_t> ranksOf(const std::vector<material::Material>& materia
 
 /// Where (H.N)^s reaches 2^-53, half the last place of a highlight of 1.
 double leastHighlight(const material::Material& m) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    if (m.specular.isBlack()) return kInfinity;
+    if (m.specular.isBlack()) return numeric::kInfinity;
     return std::max(numeric::pow(0.5, 53 / m.shininess), std::numeric_limits<double>::denorm_min());
 }
 
