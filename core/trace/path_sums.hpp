@@ -18,36 +18,29 @@ public:
 
     /// Terms 0 .. samples - 1 are the samples'.
     void start(std::size_t samples) {
-        terms_.clear();
-        terms_.resize(samples);
+        sums_.assign(samples, {});
+        from_.resize(samples);
     }
     Term branch(Term from) {
-        terms_.push_back({{}, from});
+        sums_.emplace_back();
+        from_.push_back(from);
         return end() - 1;
     }
-    void add(Term term, const numeric::LinearRgb& value) { terms_.data()[term].sum += value; }
+    void add(Term term, const numeric::LinearRgb& value) { sums_.data()[term] += value; }
     /// One more than the last term.
-    Term end() const { return static_cast<Term>(terms_.size()); }
+    Term end() const { return static_cast<Term>(sums_.size()); }
     /// To the terms from `end` on nothing is added any more.
     void foldTo(Term end) {
-        for (std::size_t i = terms_.size(); i-- > end;)
-            terms_.data()[terms_[i].from].sum += terms_.data()[i].sum;
-        terms_.resize(end);
+        for (std::size_t i = sums_.size(); i-- > end;) add(from_.data()[i], sums_.data()[i]);
+        sums_.resize(end);
+        from_.resize(end);
     }
     /// By sample, when all else is folded; until the next call.
-    std::span<const numeric::LinearRgb> sums() {
-        sums_.resize(terms_.size());
-        for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] = terms_[i].sum;
-        return sums_;
-    }
+    std::span<const numeric::LinearRgb> sums() const { return sums_; }
 
 private:
-    struct Entry {
-        numeric::LinearRgb sum;
-        Term from = 0;
-    };
-    std::vector<Entry> terms_;
-    std::vector<numeric::LinearRgb> sums_;
+    std::vector<numeric::LinearRgb> sums_; // by term
+    std::vector<Term> from_; // likewise: that which it branched off; of samples' nothing
 };
 
 } // namespace rt::trace
