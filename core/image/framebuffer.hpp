@@ -1,5 +1,6 @@
 // The linear picture that tracing fills and formats encode. Row 0 is the top.
 #pragma once
+#include <core/image/huge_pages.hpp>
 #include <core/numeric/colour.hpp>
 
 #include <cstdint>
@@ -11,7 +12,7 @@ using numeric::LinearRgb;
 
 struct Framebuffer {
     std::uint32_t width = 0, height = 0;
-    std::vector<LinearRgb> pixels; // width * height, row by row
+    std::vector<LinearRgb, HugePages<LinearRgb>> pixels; // width * height, row by row
 
     Framebuffer() = default;
     Framebuffer(std::uint32_t w, std::uint32_t h)
