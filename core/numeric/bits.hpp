@@ -28,7 +28,10 @@ inline bool isModerate(double x) {
 }
 
 /// numeric::maxComponent: a NaN only if all are.
-inline double larger(double a, double b) { return a >= b || b != b ? a : b; }
+inline double larger(double a, double b) {
+    const double larger = a > b ? a : b; // one instruction: which of them it is cannot be foretold
+    return larger == larger ? larger : a;
+}
 inline double maxComponent(const Vec3& v) { return larger(v.x, larger(v.y, v.z)); }
 
 } // namespace rt::numeric::bits

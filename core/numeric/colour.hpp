@@ -22,7 +22,10 @@ struct LinearRgb {
     friend constexpr LinearRgb operator*(double s, LinearRgb a) { return a *= s; }
     friend constexpr bool operator==(const LinearRgb&, const LinearRgb&) = default;
     constexpr bool isBlack() const { return r == 0 && g == 0 && b == 0; }
-    constexpr double maxComponent() const { return r > g ? (r > b ? r : b) : (g > b ? g : b); }
+    constexpr double maxComponent() const {
+        const double larger = r > g ? r : g;
+        return larger > b ? larger : b;
+    }
 };
 
 /// IEC 61966-2-1 transfer functions on one channel in [0, 1]; same bits on every CPU.

@@ -17,7 +17,6 @@ inline constexpr std::uint32_t kNoCoincident = 0xFFFFFFFFu;
 /// A ray at the surface that it met; numbers are in the wave, under the same index.
 struct Encounter {
     const geometry::Segment* segment;
-    std::uint32_t ray; // of the batch
     geometry::MaterialId material;
     std::uint32_t coincident; // in Scratch::coincident, or kNoCoincident
     geometry::Vec2 uv;        // of all but spheres
@@ -37,9 +36,9 @@ struct Front {
         count = 0;
         senders = transmitters = kWave;
     }
-    const Work& workOf(std::size_t i) const { return batch.works[met[i].ray]; }
-    const geometry::Ray& rayOf(std::size_t i) const { return batch.rays[met[i].ray]; }
-    const geometry::Hit& hitOf(std::size_t i) const { return batch.hits[met[i].ray]; }
+    const Work& workOf(std::size_t i) const { return batch.works[wave.ray[i]]; }
+    const geometry::Ray& rayOf(std::size_t i) const { return batch.rays[wave.ray[i]]; }
+    const geometry::Hit& hitOf(std::size_t i) const { return batch.hits[wave.ray[i]]; }
 };
 
 enum class RayKind : std::uint8_t { reflected, refracted };

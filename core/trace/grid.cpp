@@ -72,6 +72,13 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
                     for (std::uint32_t x = tile.x0; x < tile.x1; x += kPixelsInLine)
                         __builtin_prefetch(&frame.at(x, y), 1);
                 sampler(view, points, colors.data(), scratch, counted);
+                if (n == 1) {
+                    const LinearRgb* color = colors.data();
+                    blocks.forEach([&](std::uint32_t column, std::uint32_t row) {
+                        frame.at(tile.x0 + column, y0 + row) = *color++;
+                    });
+                    continue;
+                }
                 for (std::uint32_t y = y0; y < y1; ++y)
                     for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
                         LinearRgb sum;

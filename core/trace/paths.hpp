@@ -1,24 +1,16 @@
 // Rays under way: what each is for, and those that wait to be traced.
 #pragma once
 #include <core/geometry/ray.hpp>
-#include <core/numeric/colour.hpp>
 #include <core/trace/groups.hpp>
 #include <core/trace/path_sums.hpp>
 #include <core/trace/wave.hpp>
+#include <core/trace/work.hpp>
 
 #include <algorithm>
 #include <span>
 #include <vector>
 
 namespace rt::trace {
-
-/// What a ray is traced for, and how much of what it sees reaches the picture.
-struct Work {
-    numeric::LinearRgb weight{1, 1, 1};
-    std::uint32_t depth = 0; // bounces so far
-    PathSums::Term term = 0; // to which it contributes
-    std::uint32_t node = 0;  // the observer's number for this ray
-};
 
 /// Rays with what they met, under the same index.
 struct Batch {

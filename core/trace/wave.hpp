@@ -1,8 +1,10 @@
 // What many rays met, as structure-of-arrays, and the shading that runs on several of them at once:
 // wave.inl, compiled three times, with the flags of each SIMD level. Same bits from each.
 #pragma once
+#include <core/geometry/primitives.hpp>
 #include <core/geometry/ray.hpp>
 #include <core/material/material.hpp>
+#include <core/trace/work.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -34,21 +36,23 @@ struct Leaving {
 
 /// By number of the encounter. Names are those of whitted.hpp.
 struct Wave {
-    // Set by whoever adds an encounter. Spheres' surfaces come from `face`: until then `geometric` is the
-    // point that was hit, from the centre, and position, normal and error are nothing.
-    Columns direction, geometric, normal, position;
-    Column error;       // `face` adds that of a second surface, which may coincide with this one
-    Column errorBeside; // at most, of that; of spheres their own
-    IntegerColumn isSphere;
-    Columns center;
-    Column radius;
-    IntegerColumn leaving; // set by `face`
+    // Set by whoever adds an encounter.
+    std::uint32_t ray[kColumn]; // number in the batch
+    alignas(64) const material::Material* material[kColumn];
+    /// Its surface comes from `gather` and `face`: until then position, normals and error are nothing. Of others kNoSphere.
+    alignas(64) const geometry::Sphere* sphere[kColumn];
+    Columns geometric, normal, position;
+    Column error;          // `face` adds that of a second surface, which may coincide with this one
+    Column errorBeside;    // at most, of that; of spheres their own
     IntegerColumn bends;   // does it let light through into a solid, or out of one?
     IntegerColumn exclude; // from rays that leave, a PrimitiveId
-    alignas(64) const material::Material* material[kColumn];
-    Columns color;  // of the material, times its texture's
+    // Set by `gather`.
+    Columns direction;
     Columns weight; // share of the picture
-    Columns light;  // sum over the lights so far; none after `face`
+    Columns color;  // of the material; times its texture's, when that is known
+    // Set by `face`.
+    IntegerColumn leaving;
+    Columns light; // sum over the lights so far: none
     // Toward one light.
     Column cosine;  // to the normal; 0: from behind; -1: the light lies on the point
     Column halfway; // cosine of the halfway vector to the normal
@@ -63,10 +67,16 @@ struct Wave {
     IntegerColumn passes;  // else total reflection
 };
 
+inline constexpr geometry::Sphere kNoSphere{};
+
 /// Plain data only crosses between levels, as in octree/kernel.hpp. Each works on the first `count`
 /// encounters, or those from `first` on, and may write garbage in lanes beside them. It takes up to kMostLanes
-/// at once; where the last are fewer, `material` is set in the lanes behind them, too.
+/// at once; where the last are fewer, `ray`, `material` and `sphere` are set in the lanes behind them, too.
 struct WaveKernel {
+    /// What encounters take from their rays; of spheres `geometric`, the point that was hit, seen from the centre. True if that
+    /// of any is too small or too large for `face`: not numeric::bits::isModerate.
+    bool (*gather)(Wave&, std::size_t count, const geometry::Ray*, const geometry::Hit*,
+                   const Work*);
     void (*face)(Wave&, std::size_t count); // surfaces of spheres; turns normals toward the rays
     void (*aim)(Wave&, std::size_t count, const double light[3]);
     void (*add)(Wave&, std::size_t count, bool transmits);     // what `visible` is worth

@@ -109,9 +109,69 @@ inline void store(Leaving& to, const Wave& w, std::size_t i, V3 origin, double t
     for (std::size_t part = 0; part < 8; part += kLanes) {
         transpose(rows + part);
         for (std::size_t k = 0; k < kLanes; ++k)
-            __builtin_memcpy(reinterpret_cast<char*>(to.ray + i + k) + part * sizeof(double),
-                             rows + part + k, sizeof(F64));
+            storeTo(reinterpret_cast<double*>(to.ray + i + k) + part, rows[part + k]);
     }
+}
+
+/// Of what has three doubles and then some, for the rays of some encounters.
+template <class T> inline V3 loadThree(const T* of, const std::uint32_t* number) {
+    static_assert(sizeof(T) >= 4 * sizeof(double));
+    const void* at[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) at[k] = of + number[k];
+    F64 column[4];
+    loadFours(at, column);
+    return {column[0], column[1], column[2]};
+}
+
+/// The spheres among some encounters.
+struct Spheres {
+    I64 are; // mask; the others have garbage
+    V3 center;
+    F64 radius;
+
+    Spheres(const Wave& w, std::size_t i) {
+        are =
+            *reinterpret_cast<const I64*>(w.sphere + i) != reinterpret_cast<long long>(&kNoSphere);
+        if (!any(are)) return;
+        const void* at[kLanes];
+        for (std::size_t k = 0; k < kLanes; ++k) at[k] = w.sphere[i + k];
+        static_assert(sizeof(geometry::Sphere) == 4 * sizeof(double));
+        F64 column[4];
+        loadFours(at, column);
+        center = {column[0], column[1], column[2]};
+        radius = column[3];
+    }
+};
+
+bool gather(Wave& w, std::size_t count, const geometry::Ray* rays, const geometry::Hit* hits,
+            const Work* works) {
+    static_assert(__builtin_offsetof(Work, weight) == 0);
+    bool anyExtreme = false;
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        const std::uint32_t* const number = w.ray + i;
+        F64 ray[8];
+        for (std::size_t part = 0; part < 8; part += kLanes) {
+            for (std::size_t k = 0; k < kLanes; ++k)
+                ray[part + k] = loadFrom(reinterpret_cast<const double*>(rays + number[k]) + part);
+            transpose(ray + part);
+        }
+        const V3 direction = {ray[4], ray[5], ray[6]};
+        store(w.direction, i, direction);
+        store(w.weight, i, loadThree(works, number));
+        store(w.color, i, Materials(w, i)(&material::Material::color));
+        const Spheres spheres(w, i);
+        if (!any(spheres.are)) continue;
+        F64 t;
+        for (std::size_t k = 0; k < kLanes; ++k) t[k] = hits[number[k]].t;
+        const V3 origin = {ray[0], ray[1], ray[2]};
+        const V3 fromCenter = (origin - spheres.center) + direction * t;
+        const V3 size = magnitude(fromCenter);
+        const F64 largest = larger(size.x, larger(size.y, size.z));
+        constexpr double kLeast = numeric::powerOfTwo(-1000), kMost = numeric::powerOfTwo(1000);
+        anyExtreme |= any(spheres.are & ~((largest > kLeast) & (largest < kMost)));
+        store(w.geometric, i, select(spheres.are, fromCenter, load(w.geometric, i)));
+    }
+    return anyExtreme;
 }
 
 void face(Wave& w, std::size_t count) {
@@ -119,22 +179,22 @@ void face(Wave& w, std::size_t count) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         V3 geometric = load(w.geometric, i), normal = load(w.normal, i);
         F64 error = load(w.error, i), beside = load(w.errorBeside, i);
-        const I64 isSphere = load(w.isSphere, i);
-        if (any(isSphere)) {
+        const Spheres spheres(w, i);
+        if (any(spheres.are)) {
             const V3 size = magnitude(geometric);
             const I64 exponent = bitsOf(larger(size.x, larger(size.y, size.z))) >> 52;
             const V3 scaled = geometric * ofBits((2046 - exponent) << 52);
             const V3 n = scaled * (1 / squareRoot(dot(scaled, scaled)));
-            const V3 center = load(w.center, i);
-            const F64 radius = load(w.radius, i);
-            store(w.position, i, select(isSphere, center + n * radius, load(w.position, i)));
-            geometric = select(isSphere, n, geometric);
-            normal = select(isSphere, n, normal);
+            store(w.position, i,
+                  select(spheres.are, spheres.center + n * spheres.radius, load(w.position, i)));
+            geometric = select(spheres.are, n, geometric);
+            normal = select(spheres.are, n, normal);
             constexpr double kOfCenter = numeric::gamma(2), kOfRadius = numeric::gamma(12);
-            error = select(isSphere,
-                           kOfCenter * dot(magnitude(n), magnitude(center)) + kOfRadius * radius,
+            error = select(spheres.are,
+                           kOfCenter * dot(magnitude(n), magnitude(spheres.center)) +
+                               kOfRadius * spheres.radius,
                            error);
-            beside = select(isSphere, error, beside);
+            beside = select(spheres.are, error, beside);
         }
         const I64 leaving = dot(load(w.direction, i), geometric) > 0;
         store(w.leaving, i, leaving);

@@ -196,20 +196,8 @@ private:
     }
 
     void meetSphere(Front& front, std::uint32_t i, const geometry::Segment& segment) {
-        const geometry::Ray& ray = front.batch.rays[i];
-        const geometry::Hit& hit = front.batch.hits[i];
-        const geometry::Sphere& sphere =
-            geometry::sphereOf(stage_.world.primitives, segment, hit.id);
-        const Vec3 fromCenter = (ray.origin - sphere.center) + hit.t * ray.direction;
-        // Else the kernel's arithmetic would leave the normal numbers.
-        if (!numeric::bits::isModerate(numeric::bits::maxComponent(numeric::abs(fromCenter))))
-            return meetOther(front, i, segment);
-        Wave& wave = front.wave;
-        const std::size_t at = front.count;
-        put(wave.geometric, at, fromCenter);
-        put(wave.center, at, sphere.center);
-        wave.radius.at[at] = sphere.radius;
-        wave.isSphere.at[at] = -1;
+        const geometry::PrimitiveId id = front.batch.hits[i].id;
+        front.wave.sphere[front.count] = &geometry::sphereOf(stage_.world.primitives, segment, id);
         add(front, i, segment, segment.material, geometry::kNoPrimitive);
     }
 
@@ -230,7 +218,7 @@ private:
         put(wave.normal, at, plane.normal);
         wave.error.at[at] = plane.error;
         wave.errorBeside.at[at] = std::max(plane.error, stage_.ties.errorBesideOf(hit.id));
-        wave.isSphere.at[at] = 0;
+        wave.sphere[at] = &kNoSphere;
         front.met[at].uv = {hit.u, hit.v};
         add(front, i, segment, segment.material, hit.id);
     }
@@ -247,17 +235,20 @@ private:
     }
 
     void encounter(Front& front, std::uint32_t i, const geometry::Surface& surface) {
+        putSurface(front, front.count, surface);
+        add(front, i, *surface.segment, surface.material,
+            surface.planar ? surface.id : geometry::kNoPrimitive);
+    }
+
+    void putSurface(Front& front, std::size_t at, const geometry::Surface& surface) {
         Wave& wave = front.wave;
-        const std::size_t at = front.count;
         put(wave.position, at, surface.position);
         put(wave.geometric, at, surface.geometricNormal);
         put(wave.normal, at, surface.shadingNormal);
         wave.error.at[at] = surface.error;
         wave.errorBeside.at[at] = std::max(surface.error, stage_.ties.errorBesideOf(surface.id));
-        wave.isSphere.at[at] = 0;
+        wave.sphere[at] = &kNoSphere;
         front.met[at].uv = surface.uv;
-        add(front, i, *surface.segment, surface.material,
-            surface.planar ? surface.id : geometry::kNoPrimitive);
     }
 
     /// The rest of an encounter.
@@ -268,13 +259,10 @@ private:
             stage_.world.materials.data()[static_cast<std::uint32_t>(id)];
         Encounter& met = front.met[at];
         met.segment = &segment;
-        met.ray = i;
         met.material = id;
         met.coincident = kNoCoincident;
         Wave& wave = front.wave;
-        put(wave.direction, at, front.batch.rays[i].direction);
-        put(wave.weight, at, front.batch.works[i].weight);
-        put(wave.color, at, material.color);
+        wave.ray[at] = i;
         wave.material[at] = &material;
         wave.exclude.at[at] = static_cast<std::uint32_t>(exclude);
         const bool transmits = !material.isOpaque();
@@ -341,14 +329,36 @@ private:
 
     /// Surfaces and their colors.
     void surface(Front& front) {
-        for (std::size_t i = front.count; i % kMostLanes != 0; ++i)
-            front.wave.material[i] = front.wave.material[front.count - 1];
-        kernel_.face(front.wave, front.count);
+        Wave& wave = front.wave;
+        for (std::size_t i = front.count; i % kMostLanes != 0; ++i) {
+            wave.ray[i] = wave.ray[front.count - 1];
+            wave.material[i] = wave.material[front.count - 1];
+            wave.sphere[i] = wave.sphere[front.count - 1];
+        }
+        const Batch& batch = front.batch;
+        if (kernel_.gather(wave, front.count, batch.rays.data(), batch.hits.data(),
+                           batch.works.data()))
+            meetExtremeSpheres(front);
+        kernel_.face(wave, front.count);
         texture(front);
         if constexpr (Observer::kActive)
             for (std::size_t i = 0; i < front.count; ++i)
                 observer_.hit(front.workOf(i), front.hitOf(i), facingOf(front, i),
                               *front.wave.material[i], colorAt(front.wave.color, i));
+    }
+
+    /// Spheres that the kernels cannot deal with become surfaces like any other.
+    void meetExtremeSpheres(Front& front) {
+        const Wave& wave = front.wave;
+        for (std::size_t i = 0; i < front.count; ++i) {
+            if (wave.sphere[i] == &kNoSphere) continue;
+            const Vec3 fromCenter = at(wave.geometric, i);
+            if (numeric::bits::isModerate(numeric::bits::maxComponent(numeric::abs(fromCenter))))
+                continue;
+            putSurface(front, i,
+                       geometry::surfaceAt(stage_.world.primitives, front.rayOf(i), front.hitOf(i),
+                                           *front.met[i].segment));
+        }
     }
 
     rt_surface_point texturePoint(const Front& front, std::size_t i) const {
@@ -364,9 +374,10 @@ private:
     /// The colors of those that have a texture, run by run.
     void texture(Front& front) {
         const material::Material* const* const materials = front.wave.material;
-        const auto textureOf = [materials](std::size_t i) { return materials[i]->colorTexture; };
-        forEachRun(front.count, textureOf, [&](std::size_t first, std::size_t count) {
-            const material::Texture* const texture = textureOf(first);
+        const auto materialOf = [materials](std::size_t i) { return materials[i]; };
+        forEachRun(front.count, materialOf, [&](std::size_t first, std::size_t count) {
+            const material::Material& material = *materials[first];
+            const material::Texture* const texture = material.colorTexture;
             if (!texture) return;
             const auto points = room(scratch_.texturePoints, count);
             const auto colors = room(scratch_.textureColors, 3 * count);
@@ -377,7 +388,7 @@ private:
             for (std::size_t k = 0; k < count; ++k) {
                 const double* const rgb = &colors[3 * k];
                 put(front.wave.color, first + k,
-                    materials[first + k]->color * LinearRgb{rgb[0], rgb[1], rgb[2]});
+                    material.color * LinearRgb{rgb[0], rgb[1], rgb[2]});
             }
         });
     }
@@ -511,7 +522,10 @@ private:
                 }
             if (mirrors) reflect(front, i);
         }
-        for (std::size_t i = 0; i < count; ++i) contribute(front.workOf(i), colorAt(wave.light, i));
+        for (std::size_t i = 0; i < count; ++i) {
+            const LinearRgb light = colorAt(wave.light, i);
+            if (!light.isBlack()) contribute(front.workOf(i), light); // clear ones mostly are
+        }
     }
 
     void reflect(const Front& front, std::size_t i) {

@@ -70,23 +70,36 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         SCOPED_TRACE(level.name);
         std::mt19937_64 random(7);
         std::vector<Met> mets;
+        for (std::size_t i = 0; i < kCount; ++i) mets.emplace_back(random);
         const auto wave = std::make_unique<Wave>();
         material::Material glass;
         glass.ior = kIndex;
+        glass.color = {0.25, 0.5, 0.75};
         std::fill_n(wave->material, kColumn, &glass);
+        std::fill_n(wave->sphere, kColumn, &kNoSphere);
+        std::vector<geometry::Ray> rays(kCount);
+        std::vector<geometry::Hit> hits(kCount);
+        std::vector<Work> works(kCount);
         for (std::size_t i = 0; i < kCount; ++i) {
-            const Met& met = mets.emplace_back(random);
-            const geometry::Sphere& sphere = met.primitives.spheres[0];
-            put(wave->direction, i, met.ray.direction);
-            put(wave->geometric, i,
-                (met.ray.origin - sphere.center) + met.hit.t * met.ray.direction);
-            put(wave->center, i, sphere.center);
-            wave->radius.at[i] = sphere.radius;
-            wave->isSphere.at[i] = -1;
+            const Met& met = mets[i];
+            const std::size_t ray = kCount - 1 - i;
+            wave->ray[i] = static_cast<std::uint32_t>(ray);
+            rays[ray] = met.ray;
+            hits[ray] = met.hit;
+            works[ray].weight = {0.1 + i, 0.2 + i, 0.3 + i};
+            wave->sphere[i] = &met.primitives.spheres[0];
+            if (i % 16 < 3) { // known without the kernel
+                wave->sphere[i] = &kNoSphere;
+                put(wave->position, i, met.surface.position);
+                put(wave->geometric, i, met.surface.geometricNormal);
+                put(wave->normal, i, met.surface.geometricNormal);
+                wave->error.at[i] = wave->errorBeside.at[i] = met.surface.error / 2;
+            }
             wave->bends.at[i] = -1;
             wave->exclude.at[i] = static_cast<std::uint32_t>(i % 2 ? geometry::kNoPrimitive
                                                                    : geometry::PrimitiveId(i));
         }
+        ASSERT_FALSE(level.kernel.gather(*wave, kCount, rays.data(), hits.data(), works.data()));
         level.kernel.face(*wave, kCount);
         level.kernel.aim(*wave, kCount, &light.x);
         level.kernel.bend(*wave, 0, kCount);
@@ -95,6 +108,9 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         std::size_t total = 0, behind = 0;
         for (std::size_t i = 0; i < kCount; ++i) {
             const Met& met = mets[i];
+            ASSERT_EQ(at(wave->direction, i), met.ray.direction);
+            ASSERT_EQ(at(wave->weight, i), Vec3(0.1 + i, 0.2 + i, 0.3 + i));
+            ASSERT_EQ(at(wave->color, i), Vec3(0.25, 0.5, 0.75));
             ASSERT_EQ(at(wave->position, i), met.surface.position);
             ASSERT_EQ(at(wave->geometric, i), met.normal());
             ASSERT_EQ(at(wave->normal, i), met.normal());
@@ -134,6 +150,27 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         }
         EXPECT_GT(total, 0u);
         EXPECT_GT(behind, 0u);
+    }
+}
+
+TEST(Wave, tellsWhereSpheresAreTooSmallOrTooLargeForIt) {
+    for (const Level& level : kLevels) {
+        if (!Octree::supports(level.simd)) continue;
+        SCOPED_TRACE(level.name);
+        for (const double size : {0x1p-1001, 0x1p-999, 1.0, 0x1p999, 0x1p1001}) {
+            const geometry::Sphere sphere{Vec3(0.0), size};
+            const geometry::Ray ray{{0, 0, 3 * size}, numeric::kInfinity, {0, 0, -1}};
+            const geometry::Hit hit{2 * size};
+            const Work work;
+            const material::Material material;
+            const auto wave = std::make_unique<Wave>();
+            std::fill_n(wave->material, kColumn, &material);
+            std::fill_n(wave->sphere, kColumn, &sphere);
+            EXPECT_EQ(level.kernel.gather(*wave, 1, &ray, &hit, &work),
+                      size < 0x1p-1000 || size > 0x1p1000)
+                << size;
+            EXPECT_EQ(wave->geometric.z.at[0], size);
+        }
     }
 }
 
