@@ -198,7 +198,9 @@ private:
         }
         const std::uint32_t size = sizeOf(cell);
         const float cost = cells_[cell].cost[0];
-        node.links = {parent, slot, size, cost, size, cost, 0, 0};
+        node.links = {parent, size, cost, size, cost, static_cast<std::uint8_t>(slot), 0, 0, {}};
+        for (int i = 0; i < count; ++i)
+            if (reference[i] & kLeaf) node.links.leafSize[slots[i]] = leafSizeOf(sizeOf(cells[i]));
         if (!kTop) setHeight(index);
         return index;
     }
@@ -207,8 +209,9 @@ private:
         Node& node = tree_.nodes[index];
         std::uint32_t below = 0;
         for (const std::uint32_t child : node.child)
-            if (!(child & kLeaf)) below = std::max(below, tree_.nodes[child].links.height);
-        node.links.height = below + 1;
+            if (!(child & kLeaf))
+                below = std::max<std::uint32_t>(below, tree_.nodes[child].links.height);
+        node.links.height = static_cast<std::uint16_t>(below + 1);
     }
 
     std::uint32_t emitLeaf(std::uint32_t cell, std::uint32_t parent, std::uint32_t slot,

@@ -10,12 +10,12 @@ namespace {
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
 /// Does the leaf stay one block with this primitive in it?
-bool fits(const Tree& tree, std::uint32_t leaf, const Item& item, std::uint32_t maxObjects) {
-    const std::uint32_t size = sizeOfLeaf(tree, leaf);
+bool fits(const Tree& tree, std::uint32_t leaf, std::uint32_t size, const Item& item,
+          std::uint32_t maxObjects) {
     if (size >= maxObjects) return false;
     switch (static_cast<geometry::Kind>(item.primitive.kind)) {
     case geometry::Kind::triangle:
-        return isTriangles(leaf) && hasRoom(tree, leaf, item.triangle);
+        return isTriangles(leaf) && (size < kLanes || hasRoom(tree, leaf, item.triangle));
     case geometry::Kind::sphere:
         return kindOfLeaf(leaf) == kSphereLeaf && size < kLanes;
     case geometry::Kind::parallelogram:
@@ -93,34 +93,35 @@ int leastOf(const float (&value)[kLanes], unsigned slots) {
     return __builtin_ctz(static_cast<unsigned>(found) & slots);
 }
 
-Place placeFor(const Tree& tree, const Item& item, std::uint32_t maxObjects) {
-    const bool single = item.child == kEmptyChild;
-    // A subtree costs the same wherever it hangs.
-    const float own = single ? kBlockCost * item.box.area() : 0;
-    Place best;
-    float inherited = 0; // what the nodes on the way grow by
-    for (std::uint32_t index = 0;;) {
-        const Node& node = tree.nodes[index];
-        const Joined joined(node, item.box);
-        const int down = leastOf(joined.growth, joined.nodes),
-                  leaf = leastOf(joined.growth, joined.leaves);
-        if (down >= 0) prefetch(tree, node.child[down]);
-        const int beside = leastOf(joined.area, joined.nodes | joined.leaves);
-        if (joined.empty)
-            best.offer(Place::slot, index, freeSlotFor(node, item.box), inherited + own);
-        else
-            best.offer(Place::pair, index, beside,
-                       inherited + own + kNodeCost * joined.area[beside]);
-        if (single && leaf >= 0) {
-            const float cost = inherited + kBlockCost * joined.growth[leaf];
-            if (cost <= best.cost && fits(tree, node.child[leaf], item, maxObjects))
-                best.offer(Place::join, index, leaf, cost);
+bool Search::step(const Tree& tree, std::uint32_t maxObjects) {
+    if (leaf_ != kEmptyChild && fits(tree, leaf_, leafSize_, *item_, maxObjects))
+        best_.offer(Place::join, node_, leafSlot_, leafCost_);
+    leaf_ = kEmptyChild;
+    if (next_ == kEmptyChild || inherited_ > best_.cost) return false;
+    node_ = next_;
+    const Node& node = tree.nodes[node_];
+    const Joined joined(node, item_->box);
+    const int down = leastOf(joined.growth, joined.nodes),
+              leaf = leastOf(joined.growth, joined.leaves),
+              beside = leastOf(joined.area, joined.nodes | joined.leaves);
+    next_ = down >= 0 ? node.child[down] : kEmptyChild;
+    if (down >= 0) prefetch(tree, next_);
+    if (joined.empty)
+        best_.offer(Place::slot, node_, freeSlotFor(node, item_->box), inherited_ + own_);
+    else
+        best_.offer(Place::pair, node_, beside,
+                    inherited_ + own_ + kNodeCost * joined.area[beside]);
+    if (isSingle_ && leaf >= 0) {
+        leafCost_ = inherited_ + kBlockCost * joined.growth[leaf];
+        if (leafCost_ <= best_.cost) {
+            leaf_ = node.child[leaf];
+            leafSlot_ = leaf;
+            leafSize_ = node.links.leafSize[leaf];
+            if (leafSize_ >= kLanes) prefetch(tree, leaf_);
         }
-        if (down < 0) return best;
-        inherited += kNodeCost * joined.growth[down];
-        if (inherited > best.cost) return best;
-        index = node.child[down];
     }
+    if (down >= 0) inherited_ += kNodeCost * joined.growth[down];
+    return true;
 }
 
 } // namespace rt::octree

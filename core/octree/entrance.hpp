@@ -34,8 +34,28 @@ struct Place {
     }
 };
 
-/// `maxObjects`: of a leaf that it may join.
-Place placeFor(const Tree& tree, const Item& item, std::uint32_t maxObjects);
+/// Looks for an item's place in steps, which ask memory for what the next one will read. The tree may not change
+/// between them.
+class Search {
+public:
+    explicit Search(const Item& item)
+        : item_(&item), isSingle_(item.child == kEmptyChild),
+          // A subtree costs the same wherever it hangs.
+          own_(isSingle_ ? kBlockCost * item.box.area() : 0) {}
+
+    /// One node further down; false: found. `maxObjects`: of a leaf that the item may join.
+    bool step(const Tree& tree, std::uint32_t maxObjects);
+    const Place& found() const { return best_; }
+
+private:
+    const Item* item_;
+    bool isSingle_;
+    float own_, inherited_ = 0, leafCost_ = 0; // inherited: what the nodes on the way grow by
+    std::uint32_t next_ = 0, node_ = 0, leaf_ = kEmptyChild; // leaf: of node_, that it may join
+    std::uint32_t leafSize_ = 0;
+    int leafSlot_ = 0;
+    Place best_;
+};
 
 /// The octant of `a` in a cell that it shares with `b`; b's is the opposite one.
 int slotFor(const Box& a, const Box& b);

@@ -27,14 +27,16 @@ inline constexpr int kLanes = 8;
 struct alignas(64) Node {
     float planes[6][kLanes]; // [2 · axis + (0 lower, 1 upper)][child]
     std::uint32_t child[kLanes];
-    struct Links {                  // for updates; queries read none of it
-        std::uint32_t parent, slot; // of the root: kEmptyChild, 0
-        std::uint32_t count;        // primitives below
-        float cost;                 // of the subtree, by surface area in octree space
-        std::uint32_t countThen;    // when the subtree was built
+    struct Links {               // for updates; queries read none of it
+        std::uint32_t parent;    // of the root: kEmptyChild
+        std::uint32_t count;     // primitives below
+        float cost;              // of the subtree, by surface area in octree space
+        std::uint32_t countThen; // when the subtree was built
         float costThen;
-        std::uint32_t height; // levels of nodes, itself included
-        std::uint32_t marks;  // of the update under way
+        std::uint8_t slot;             // in the parent; of the root: 0
+        std::uint8_t marks;            // of the update under way
+        std::uint16_t height;          // levels of nodes, itself included
+        std::uint8_t leafSize[kLanes]; // primitives in each child that is a leaf, at most 255
     } links;
 };
 static_assert(sizeof(Node) == 256);

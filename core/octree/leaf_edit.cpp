@@ -1,6 +1,7 @@
 #include <core/octree/leaf_edit.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <type_traits>
@@ -36,29 +37,75 @@ template <class Block> int countOf(const Block& block) {
         return __builtin_popcount(block.valid);
     } else {
         int count = 0;
-        while (count < kLanes && block.id[count] != kEmptyChild) ++count;
+        for (const std::uint32_t id : block.id) count += id != kEmptyChild;
         return count;
     }
 }
 
-/// Calls visit(row) with each row of what a triangle's lane holds, but for its id.
-template <class Block, class Visit> void overRows(Block& block, const Visit& visit) {
+template <class Block> constexpr int kLanesOf = kShares<Block> ? kSharedLanes : kLanes;
+
+/// For each lane the one that its triangle comes from; kLanesOf: none does.
+template <class Block> using Order = std::array<std::uint8_t, kLanesOf<Block>>;
+
+/// Of all that the lanes hold but the ids. Without branches, which nobody could foresee.
+template <class Block> void rearrange(Block& block, const Order<Block>& from) {
+    const auto row = [&](auto& lanes) {
+        using Value = std::remove_reference_t<decltype(lanes[0])>;
+        Value before[kLanesOf<Block> + 1];
+        std::copy_n(lanes, kLanesOf<Block>, before);
+        before[kLanesOf<Block>] =
+            kShares<Block> ? Value{} : std::numeric_limits<Value>::quiet_NaN();
+        for (int lane = 0; lane < kLanesOf<Block>; ++lane) lanes[lane] = before[from[lane]];
+    };
     if constexpr (kShares<Block>) {
-        for (auto& row : block.index) visit(row);
+        for (auto& lanes : block.index) row(lanes);
     } else {
         for (auto& corner : block.corner)
-            for (auto& row : corner) visit(row);
+            for (auto& lanes : corner) row(lanes);
     }
 }
 
-template <class Block> void setCount(Block& block, std::uint32_t* id, int count, int before) {
-    if constexpr (kShares<Block>) block.valid = (1u << count) - 1;
-    overRows(block, [&](auto& row) {
-        using Value = std::remove_reference_t<decltype(row[0])>;
-        for (int lane = count; lane < before; ++lane)
-            row[lane] = kShares<Block> ? Value{} : std::numeric_limits<Value>::quiet_NaN();
-    });
+/// Takes lanes away and closes the gaps.
+template <class Block> void dropLanes(Block& block, std::uint32_t* id, unsigned dropped) {
+    const int before = countOf(block);
+    Order<Block> from;
+    int count = 0;
+    for (int lane = 0; lane < kLanesOf<Block>; ++lane) {
+        from[count] = static_cast<std::uint8_t>(lane);
+        count += lane < before && !(dropped >> lane & 1);
+    }
+    for (int lane = count; lane < kLanesOf<Block>; ++lane) from[lane] = kLanesOf<Block>;
+    rearrange(block, from);
+    for (int lane = 0; lane < count; ++lane) id[lane] = id[from[lane]];
     for (int lane = count; lane < before; ++lane) id[lane] = kEmptyChild;
+    if constexpr (kShares<Block>) block.valid = (1u << count) - 1;
+}
+
+/// Bit per corner that a triangle of a shared block has.
+template <class Block> unsigned usedCorners(const Block& block) {
+    const int count = countOf(block);
+    unsigned used = 0;
+    for (const auto& row : block.index)
+        for (int lane = 0; lane < count; ++lane) used |= 1u << row[lane];
+    return used;
+}
+
+template <class Block> numeric::Box3d boundsOf(const Block& block) {
+    numeric::Box3d box;
+    if constexpr (kShares<Block>) {
+        for (unsigned used = usedCorners(block); used; used &= used - 1) {
+            const int i = __builtin_ctz(used);
+            box.add(Vec3(block.corner[0][i], block.corner[1][i], block.corner[2][i]));
+        }
+    } else {
+        for (int a = 0; a < 3; ++a)
+            for (const auto& corner : block.corner)
+                for (const double x : corner[a]) { // NaN, of unused ones, is neither
+                    box.min[a] = x < box.min[a] ? x : box.min[a];
+                    box.max[a] = x > box.max[a] ? x : box.max[a];
+                }
+    }
+    return box;
 }
 
 template <class Block> Vec3 cornerOf(const Block& block, std::size_t c, int lane) {
@@ -71,15 +118,16 @@ template <class Block> Vec3 cornerOf(const Block& block, std::size_t c, int lane
 }
 
 /// Shifts lanes so that the triangle's is free, by rising id; returns it.
-template <class Block>
-int openLane(Block& block, std::uint32_t* id, int count, std::uint32_t newId) {
-    const int at = static_cast<int>(std::upper_bound(id, id + count, newId) - id);
-    const auto shift = [&](auto* row) {
-        std::copy_backward(row + at, row + count, row + count + 1);
-    };
-    overRows(block, shift);
-    shift(id);
-    id[at] = newId;
+template <class Block> int openLane(Block& block, std::uint32_t newId) {
+    const int count = countOf(block);
+    int at = 0;
+    for (int lane = 0; lane < count; ++lane) at += block.id[lane] < newId;
+    Order<Block> from;
+    for (int lane = 0; lane < kLanesOf<Block>; ++lane)
+        from[lane] = static_cast<std::uint8_t>(lane - (lane > at));
+    rearrange(block, from);
+    for (int lane = count; lane > at; --lane) block.id[lane] = block.id[lane - 1];
+    block.id[at] = newId;
     return at;
 }
 
@@ -89,9 +137,7 @@ bool placesOfCorners(const Block& block, const Vec3 (&corner)[3], std::uint8_t (
     const auto bits = [](double d) { return std::bit_cast<std::uint64_t>(d); };
     const int count = countOf(block);
     if (count == kSharedLanes) return false;
-    unsigned used = 0;
-    for (const auto& row : block.index)
-        for (int lane = 0; lane < count; ++lane) used |= 1u << row[lane];
+    const unsigned used = usedCorners(block);
     unsigned unused = ~used & ((1u << kSharedLanes) - 1);
     for (std::size_t c = 0; c < 3; ++c) {
         unsigned equal = 0;
@@ -110,9 +156,8 @@ bool placesOfCorners(const Block& block, const Vec3 (&corner)[3], std::uint8_t (
 }
 
 void put(SharedBlock& block, const LooseTriangle& triangle, const std::uint8_t (&at)[3]) {
-    const int count = countOf(block);
-    const int lane = openLane(block, block.id, count, triangle.id);
-    block.valid = (1u << (count + 1)) - 1;
+    const int lane = openLane(block, triangle.id);
+    block.valid = 2 * block.valid + 1;
     for (std::size_t c = 0; c < 3; ++c) {
         block.index[c][lane] = at[c];
         for (int a = 0; a < 3; ++a) block.corner[a][at[c]] = triangle.corner[c][a];
@@ -120,7 +165,7 @@ void put(SharedBlock& block, const LooseTriangle& triangle, const std::uint8_t (
 }
 
 void put(TriangleBlock& block, const LooseTriangle& triangle) {
-    const int lane = openLane(block, block.id, countOf(block), triangle.id);
+    const int lane = openLane(block, triangle.id);
     for (std::size_t c = 0; c < 3; ++c)
         for (int a = 0; a < 3; ++a) block.corner[c][a][lane] = triangle.corner[c][a];
 }
@@ -158,21 +203,51 @@ bool isTriangles(std::uint32_t leaf) {
            kind == kNarrowTriangleLeaf;
 }
 
-numeric::Box3d keepTriangles(Tree& tree, std::uint32_t leaf, unsigned positions) {
-    return onBlock(tree, leaf, [&](auto& block, std::uint32_t* id) {
-        const int before = countOf(block);
-        int count = 0;
-        numeric::Box3d box;
-        for (; positions; positions &= positions - 1) {
-            const int lane = __builtin_ctz(positions);
-            overRows(block, [&](auto& row) { row[count] = row[lane]; });
-            id[count] = id[lane];
-            for (std::size_t c = 0; c < 3; ++c) box.add(cornerOf(block, c, count));
-            ++count;
-        }
-        setCount(block, id, count, before);
-        return box;
+std::span<const std::uint32_t> idsOfTriangles(const Tree& tree, std::uint32_t leaf) {
+    return onBlock(tree, leaf, [](const auto& block, const std::uint32_t* id) {
+        return std::span(id, static_cast<std::size_t>(countOf(block)));
     });
+}
+
+LooseTriangle triangleAt(const Tree& tree, std::uint32_t leaf, int position) {
+    return onBlock(tree, leaf, [&](const auto& block, const std::uint32_t* id) {
+        return LooseTriangle{id[position],
+                             {cornerOf(block, 0, position), cornerOf(block, 1, position),
+                              cornerOf(block, 2, position)}};
+    });
+}
+
+numeric::Box3d dropTriangles(Tree& tree, std::uint32_t leaf, unsigned positions) {
+    return onBlock(tree, leaf, [&](auto& block, std::uint32_t* id) {
+        dropLanes(block, id, positions);
+        return boundsOf(block);
+    });
+}
+
+std::uint32_t leafOf(Tree& tree, Places& places, Storage storage, const LooseTriangle& triangle) {
+    const auto fill = [&](auto& block, std::uint32_t* id) {
+        using Float = std::remove_reference_t<decltype(block.corner[0][0])>;
+        for (int a = 0; a < 3; ++a)
+            for (int i = 0; i < kSharedLanes; ++i)
+                block.corner[a][i] = static_cast<Float>(triangle.corner[i < 3 ? i : 0][a]);
+        for (std::size_t c = 0; c < 3; ++c) block.index[c][0] = static_cast<std::uint8_t>(c);
+        block.valid = 1;
+        *id = triangle.id;
+    };
+    if (storage != Storage::f64 && std::ranges::all_of(triangle.corner, numeric::fitsF32)) {
+        NarrowSharedBlock block{};
+        block.ids = places.take(kNarrowIds);
+        fill(block, tree.narrowIds.data() + block.ids);
+        const std::uint32_t place = places.take(kNarrowShared);
+        tree.narrowShared[place] = block;
+        return leafReference(kNarrowSharedLeaf, place);
+    }
+    SharedBlock block{};
+    std::ranges::fill(block.id, kEmptyChild);
+    fill(block, block.id);
+    const std::uint32_t place = places.take(kShared);
+    tree.shared[place] = block;
+    return leafReference(kSharedLeaf, place);
 }
 
 bool hasRoom(const Tree& tree, std::uint32_t leaf, const LooseTriangle& triangle) {

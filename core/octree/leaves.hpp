@@ -3,6 +3,7 @@
 #include <core/octree/cells.hpp>
 #include <core/octree/tree.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace rt::octree {
@@ -54,6 +55,11 @@ void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint3
 
 /// How many primitives a leaf holds.
 std::uint32_t sizeOfLeaf(const Tree& tree, std::uint32_t reference);
+
+/// As Node::Links::leafSize holds it.
+inline std::uint8_t leafSizeOf(std::size_t count) {
+    return static_cast<std::uint8_t>(std::min<std::size_t>(count, 255));
+}
 
 /// Cost of testing a leaf once, in node visits.
 float costOfLeaf(const Tree& tree, std::uint32_t reference);

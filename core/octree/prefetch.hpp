@@ -6,9 +6,12 @@
 
 namespace rt::octree {
 
+/// All lines of an item: two even of a small one, if it lies across their border.
 template <class T> void prefetchLines(const T& item) {
     const char* const bytes = reinterpret_cast<const char*>(&item);
     for (std::size_t i = 0; i < sizeof item; i += 64) _mm_prefetch(bytes + i, _MM_HINT_T0);
+    if constexpr (alignof(T) < 64 && sizeof item > alignof(T))
+        _mm_prefetch(bytes + sizeof item - 1, _MM_HINT_T0);
 }
 
 inline void prefetch(const Tree& tree, std::uint32_t reference) {
@@ -26,6 +29,15 @@ inline void prefetch(const Tree& tree, std::uint32_t reference) {
     default:
         return;
     }
+}
+
+/// The ids of a leaf whose block is there and does not hold them itself.
+inline void prefetchIds(const Tree& tree, std::uint32_t leaf) {
+    if (kindOfLeaf(leaf) != kNarrowSharedLeaf) return;
+    const NarrowSharedBlock& block = tree.narrowShared[leaf & kLeafIndex];
+    const std::uint32_t* const ids = tree.narrowIds.data() + block.ids;
+    _mm_prefetch(reinterpret_cast<const char*>(ids), _MM_HINT_T0);
+    _mm_prefetch(reinterpret_cast<const char*>(ids + __builtin_popcount(block.valid)), _MM_HINT_T0);
 }
 
 } // namespace rt::octree

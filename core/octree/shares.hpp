@@ -33,6 +33,15 @@ inline Share shareOf(const Tree& tree, std::uint32_t reference, const Box& box) 
     return {links.cost, links.count};
 }
 
+/// Of a node's child, without a look at its block where the node knows enough.
+inline Share shareOf(const Tree& tree, const Node& node, int slot) {
+    const std::uint32_t child = node.child[slot];
+    const Box box = boxOf(node, slot);
+    if (child == kEmptyChild || !(child & kLeaf) || kindOfLeaf(child) == kMixedLeaf)
+        return shareOf(tree, child, box);
+    return {kBlockCost * box.area(), node.links.leafSize[slot]};
+}
+
 inline std::uint32_t heightOf(const Tree& tree, std::uint32_t reference) {
     return reference & kLeaf ? 0 : tree.nodes[reference].links.height;
 }

@@ -104,9 +104,10 @@ bool Upkeep::rebuild(std::uint32_t index) {
     const Cells cells(primitives_, std::move(references), count, scale_, options_);
     const std::uint32_t child =
         emitSubtree(cells, primitives_, options_.storage, links.parent, links.slot, tree_, places_);
-    tree_.nodes[links.parent].child[links.slot] = child;
-    const float cost =
-        shareOf(tree_, child, boxOf(tree_.nodes[links.parent], static_cast<int>(links.slot))).cost;
+    Node& parent = tree_.nodes[links.parent];
+    parent.child[links.slot] = child;
+    if (child & kLeaf) parent.links.leafSize[links.slot] = leafSizeOf(count);
+    const float cost = shareOf(tree_, child, boxOf(parent, static_cast<int>(links.slot))).cost;
     state_.costBefore += links.cost;
     state_.costAfter += cost;
     state_.nodesBefore += static_cast<float>(all - others);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 namespace rt::test {
 namespace {
@@ -17,6 +18,11 @@ const std::uint32_t kSharedLeaf = octree::leafReference(octree::kSharedLeaf, 0);
 
 LooseTriangle triangleOf(std::uint32_t id) {
     return {id, {Vec3(id, 0, 0), Vec3(id, 1, 0), Vec3(id, 0, 1)}};
+}
+
+void expectSame(const LooseTriangle& expected, const LooseTriangle& stored) {
+    EXPECT_EQ(expected.id, stored.id);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(expected.corner[c], stored.corner[c]) << c;
 }
 
 /// A leaf of one shared block, and what it should hold.
@@ -39,14 +45,14 @@ struct Leaf {
         reference = octree::addTriangle(tree, places, reference, triangle);
         triangles.push_back(triangle);
     }
-    void keep(unsigned positions) {
-        const auto box = octree::keepTriangles(tree, reference, positions);
+    void drop(unsigned positions) {
+        const auto box = octree::dropTriangles(tree, reference, positions);
         std::sort(triangles.begin(), triangles.end(),
                   [](const auto& a, const auto& b) { return a.id < b.id; });
         std::vector<LooseTriangle> kept;
         numeric::Box3d bounds;
         for (std::size_t i = 0; i < triangles.size(); ++i) {
-            if (!(positions >> i & 1)) continue;
+            if (positions >> i & 1) continue;
             kept.push_back(triangles[i]);
             for (const Vec3& p : triangles[i].corner) bounds.add(p);
         }
@@ -57,21 +63,9 @@ struct Leaf {
     void expectAll() {
         std::sort(triangles.begin(), triangles.end(),
                   [](const auto& a, const auto& b) { return a.id < b.id; });
-        std::vector<std::uint32_t> ids;
-        octree::idsOfLeaf(tree, reference, ids);
-        ASSERT_EQ(triangles.size(), ids.size());
-        const std::uint32_t index = reference & octree::kLeafIndex;
-        for (std::size_t lane = 0; lane < ids.size(); ++lane) {
-            EXPECT_EQ(triangles[lane].id, ids[lane]);
-            for (std::size_t c = 0; c < 3; ++c)
-                for (int a = 0; a < 3; ++a) {
-                    const double stored =
-                        octree::kindOfLeaf(reference) == octree::kSharedLeaf
-                            ? tree.shared[index].corner[a][tree.shared[index].index[c][lane]]
-                            : tree.triangles[index].corner[c][a][lane];
-                    EXPECT_EQ(triangles[lane].corner[c][a], stored) << lane << ' ' << c << ' ' << a;
-                }
-        }
+        ASSERT_EQ(triangles.size(), octree::idsOfTriangles(tree, reference).size());
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            expectSame(triangles[i], octree::triangleAt(tree, reference, static_cast<int>(i)));
     }
 };
 
@@ -79,7 +73,7 @@ TEST(LeafEdit, ACornerThatNothingUsesAnyMoreIsNotTakenForAnother) {
     Leaf leaf;
     leaf.add(triangleOf(5));
     leaf.add(triangleOf(9));
-    leaf.keep(0b10); // the corners of 5 are still in the block
+    leaf.drop(0b01); // the corners of 5 are still in the block
     LooseTriangle turned = triangleOf(5);
     std::swap(turned.corner[0], turned.corner[1]);
     leaf.add(turned);
@@ -90,7 +84,7 @@ TEST(LeafEdit, TrianglesStandByRisingIdWhateverTheOrderTheyCameIn) {
     Leaf leaf;
     for (const std::uint32_t id : {7u, 3u, 9u, 1u}) leaf.add(triangleOf(id));
     leaf.expectAll();
-    leaf.keep(0b1010);
+    leaf.drop(0b0101);
     leaf.expectAll();
     leaf.add(triangleOf(4));
     leaf.expectAll();
@@ -101,6 +95,25 @@ TEST(LeafEdit, ALeafWithoutRoomForMoreCornersTakesThemApartUpToEight) {
     for (std::uint32_t id = 8; id-- > 0;) leaf.add(triangleOf(id)); // 24 corners
     leaf.expectAll();
     EXPECT_FALSE(octree::hasRoom(leaf.tree, leaf.reference, triangleOf(8)));
+}
+
+TEST(LeafEdit, ALeafOfOneIsNarrowIfThatIsExactAndWanted) {
+    LooseTriangle fine = triangleOf(2);
+    fine.corner[1].y = 0.1;
+    for (const auto& [triangle, storage, kind] :
+         {std::tuple(triangleOf(2), octree::Storage::narrowest, octree::kNarrowSharedLeaf),
+          std::tuple(triangleOf(2), octree::Storage::f64, octree::kSharedLeaf),
+          std::tuple(fine, octree::Storage::narrowest, octree::kSharedLeaf)}) {
+        Tree tree;
+        tree.shared.resize(1);
+        tree.narrowShared.resize(1);
+        tree.narrowIds.resize(1);
+        octree::Extent places;
+        const std::uint32_t leaf = octree::leafOf(tree, places, storage, triangle);
+        EXPECT_EQ(kind, octree::kindOfLeaf(leaf));
+        EXPECT_EQ(1u, octree::sizeOfLeaf(tree, leaf));
+        expectSame(triangle, octree::triangleAt(tree, leaf, 0));
+    }
 }
 
 TEST(LeafEdit, ASharedLeafTakesSixteenThatShareCorners) {
