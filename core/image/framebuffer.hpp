@@ -16,7 +16,14 @@ struct Framebuffer {
 
     Framebuffer() = default;
     Framebuffer(std::uint32_t w, std::uint32_t h)
-        : width(w), height(h), pixels(std::size_t(w) * h) {}
+        : width(w), height(h), pixels(std::size_t(w) * h, LinearRgb{}) {}
+    /// Precondition: whoever asked for it writes every pixel before any is read.
+    static Framebuffer unwritten(std::uint32_t w, std::uint32_t h) {
+        Framebuffer frame;
+        frame.width = w, frame.height = h;
+        frame.pixels.resize(std::size_t(w) * h);
+        return frame;
+    }
     LinearRgb& at(std::uint32_t x, std::uint32_t y) { return pixels[std::size_t(y) * width + x]; }
     const LinearRgb& at(std::uint32_t x, std::uint32_t y) const {
         return pixels[std::size_t(y) * width + x];

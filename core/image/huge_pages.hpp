@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <new>
+#include <utility>
 
 namespace rt::image {
 
@@ -26,6 +27,13 @@ template <class T> struct HugePages {
             ::operator delete(memory);
         else
             ::operator delete(memory, kAlignment);
+    }
+    /// Elements of which nothing is said stay as the memory is, so that whoever writes them enters it first.
+    template <class U> void construct(U*) {}
+    template <class U, class First, class... More>
+    void construct(U* element, First&& first, More&&... more) {
+        ::new (static_cast<void*>(element))
+            U(std::forward<First>(first), std::forward<More>(more)...);
     }
     bool operator==(const HugePages&) const { return true; }
 

@@ -283,7 +283,7 @@ void sampleAdaptively(const View& view, Sampler sampler, double rmse, const Regi
     const auto start = Clock::now();
     Adaptive adaptive(view, sampler, region, options, result.counts);
     result.complete = adaptive.sampleAll();
-    if (!result.complete) return adaptive.write(result.frame);
+    if (!result.complete) return;
     // Falling thresholds equalise what one more sample is worth in every pixel; small steps end close to what was asked
     // for (halving took a tenth more samples). They fall in every pass: to wait until none is above took 900 passes, not 80.
     constexpr double kStep = 1.1;

@@ -46,7 +46,9 @@ Result render(const octree::Octree& octree, const world::World& world,
     }
 
     Result result;
-    result.frame = image::Framebuffer(image.width, image.height);
+    const bool all = traced.width() == image.width && traced.height() == image.height;
+    result.frame = all ? image::Framebuffer::unwritten(image.width, image.height)
+                       : image::Framebuffer(image.width, image.height);
     if (traced.width() == 0 || traced.height() == 0) return result;
     const auto grid = [&](std::uint32_t n) {
         result.complete = sampleGrid(view, sampler, n, settings.sampling, traced, options,
@@ -60,7 +62,9 @@ Result render(const octree::Octree& octree, const world::World& world,
         grid(uniform->n);
     else
         grid(std::holds_alternative<scene::AntialiasFsaa4>(settings.antialias) ? 2 : 1);
-    if (smoothed) {
+    if (!result.complete) {
+        result.frame = {};
+    } else if (smoothed) {
         smooth(result.frame);
         keepOnly(wanted, result.frame);
     }
