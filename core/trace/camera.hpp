@@ -2,6 +2,9 @@
 #pragma once
 #include <core/geometry/ray.hpp>
 #include <core/scene/description.hpp>
+#include <core/trace/pinhole.hpp>
+
+#include <span>
 
 namespace rt::trace {
 
@@ -16,23 +19,14 @@ public:
            scene::NearPlane nearPlane);
 
     /// Unit direction; starts at the eye, or on the screen when that is the near plane.
-    Ray through(double column, double row) const {
-        Ray ray;
-        through(column, row, ray);
-        return ray;
-    }
-    /// In place: sets origin and direction.
-    void through(double column, double row, Ray& ray) const;
+    Ray through(double column, double row) const;
+    /// The same rays, of as many points as rays, several at a time.
+    void through(std::span<const PicturePoint> points, std::span<Ray> rays) const;
 
-    const Vec3& eye() const { return eye_; }
+    const Vec3& eye() const { return pinhole_.eye; }
 
 private:
-    Vec3 eye_;
-    Vec3 toScreen_;                   // eye to the middle of the screen
-    Vec3 up_, left_;                  // unit
-    double pixelHeight_, pixelWidth_; // on the screen
-    double halfRows_, halfColumns_;   // rows and columns from the corner to the middle
-    bool startsOnScreen_;
+    Pinhole pinhole_;
 };
 
 } // namespace rt::trace

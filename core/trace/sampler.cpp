@@ -22,15 +22,13 @@ void forEachBatch(const View& view, std::span<const PicturePoint> points, Linear
         const std::size_t last = std::min(first + kBatch, points.size());
         const auto rays = room(scratch.camera.rays, last - first);
         const auto colorOf = room(scratch.camera.colorOf, last - first);
+        view.camera.through(points.subspan(first, last - first), rays);
         std::size_t used = 0;
         for (std::size_t i = first; i < last; ++i) {
-            geometry::Ray& ray = rays[used];
-            view.camera.through(points[i].column, points[i].row, ray);
-            ray.tMax = numeric::kInfinity;
-            ray.exclude = geometry::kNoPrimitive;
             colors[i] = {};
             colorOf[used] = colors + i;
-            used += view.stage.box.clip(ray);
+            if (!view.stage.box.unbounded()) rays[used] = rays[i - first];
+            used += view.stage.box.clip(rays[used]);
         }
         trace(rays.first(used), colorOf.first(used));
     }

@@ -8,11 +8,6 @@
 
 namespace rt::trace {
 
-/// Columns and rows from the top-left corner of the picture; pixel (x, y) is [x, x + 1) x [y, y + 1).
-struct PicturePoint {
-    double column, row;
-};
-
 /// What a sampler reads; shared by all threads.
 struct View {
     const Stage& stage;

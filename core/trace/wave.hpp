@@ -4,6 +4,7 @@
 #include <core/geometry/primitives.hpp>
 #include <core/geometry/ray.hpp>
 #include <core/material/material.hpp>
+#include <core/trace/pinhole.hpp>
 #include <core/trace/work.hpp>
 
 #include <cstddef>
@@ -23,6 +24,13 @@ struct Column {
 };
 struct Columns {
     Column x, y, z;
+};
+/// What an encounter sends off, by bit.
+struct Sends {
+    static constexpr long long kMirrors = 1, // its material reflects
+        kReflects = 2, // it does, if only since it reflects all of what it would let through
+        kRefracts = 4, kReflectedBlack = 8, // of no share of the picture
+        kRefractedBlack = 16;
 };
 struct IntegerColumn {
     alignas(64) std::int64_t at[kColumn]; // 0 or -1, or a number
@@ -64,7 +72,7 @@ struct Wave {
     Columns mirroredWeight, refractedWeight;
     Column ratio;          // index in front over index behind; 1: nothing is bent; set by `bend`
     Column refractedError; // likewise, to `error`
-    IntegerColumn passes;  // else total reflection
+    IntegerColumn sends;   // bits of Sends
 };
 
 inline constexpr geometry::Sphere kNoSphere{};
@@ -73,6 +81,9 @@ inline constexpr geometry::Sphere kNoSphere{};
 /// encounters, or those from `first` on, and may write garbage in lanes beside them. It takes up to kMostLanes
 /// at once; where the last are fewer, `ray`, `material` and `sphere` are set in the lanes behind them, too.
 struct WaveKernel {
+    /// The rays through some points; see Camera. False, and none is right, if the distance of any from the eye is so extreme
+    /// that its square is no normal number.
+    bool (*through)(const Pinhole&, const PicturePoint*, std::size_t count, geometry::Ray*);
     /// What encounters take from their rays; of spheres `geometric`, the point that was hit, seen from the centre. True if that
     /// of any is too small or too large for `face`: not numeric::bits::isModerate.
     bool (*gather)(Wave&, std::size_t count, const geometry::Ray*, const geometry::Hit*,

@@ -98,19 +98,50 @@ struct Materials {
     }
 };
 
-inline void store(Leaving& to, const Wave& w, std::size_t i, V3 origin, double tMax, V3 direction) {
-    store(to.group, i, groupOf(direction));
+/// Writes the first `count` of some rays.
+inline void store(geometry::Ray* to, std::size_t count, V3 origin, double tMax, V3 direction,
+                  I64 exclude) {
     static_assert(sizeof(geometry::Ray) == 8 * sizeof(double) &&
                   __builtin_offsetof(geometry::Ray, tMax) == 3 * sizeof(double) &&
                   __builtin_offsetof(geometry::Ray, direction) == 4 * sizeof(double) &&
                   __builtin_offsetof(geometry::Ray, exclude) == 7 * sizeof(double));
     F64 rows[8] = {origin.x,    origin.y,    origin.z,    all(tMax),
-                   direction.x, direction.y, direction.z, ofBits(load(w.exclude, i))};
+                   direction.x, direction.y, direction.z, ofBits(exclude)};
     for (std::size_t part = 0; part < 8; part += kLanes) {
         transpose(rows + part);
-        for (std::size_t k = 0; k < kLanes; ++k)
-            storeTo(reinterpret_cast<double*>(to.ray + i + k) + part, rows[part + k]);
+        for (std::size_t k = 0; k < kLanes && k < count; ++k)
+            storeTo(reinterpret_cast<double*>(to + k) + part, rows[part + k]);
     }
+}
+
+inline void store(Leaving& to, const Wave& w, std::size_t i, V3 origin, double tMax, V3 direction) {
+    store(to.group, i, groupOf(direction));
+    store(to.ray + i, kLanes, origin, tMax, direction, load(w.exclude, i));
+}
+
+bool through(const Pinhole& camera, const PicturePoint* points, std::size_t count,
+             geometry::Ray* rays) {
+    const auto vector = [](const numeric::Vec3& v) { return V3{all(v.x), all(v.y), all(v.z)}; };
+    const V3 eye = vector(camera.eye), toScreen = vector(camera.toScreen), up = vector(camera.up),
+             left = vector(camera.left);
+    // As numeric::unit has it.
+    constexpr double kLeast =
+        std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+    const I64 none = I64{} + static_cast<std::uint32_t>(geometry::kNoPrimitive);
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        F64 column, row;
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const PicturePoint& point = points[i + k < count ? i + k : count - 1];
+            column[k] = point.column, row[k] = point.row;
+        }
+        const V3 toSample = toScreen + up * (camera.pixelHeight * (camera.halfRows - row)) +
+                            left * (camera.pixelWidth * (camera.halfColumns - column));
+        const F64 squared = dot(toSample, toSample);
+        if (any(~((squared > kLeast) & (squared < __builtin_inf())))) return false;
+        store(rays + i, count - i, camera.startsOnScreen ? eye + toSample : eye, __builtin_inf(),
+              toSample / squareRoot(squared), none);
+    }
+    return true;
 }
 
 /// Of what has three doubles and then some, for the rays of some encounters.
@@ -272,6 +303,8 @@ void leave(Wave& w, std::size_t first, std::size_t transmitters, std::size_t cou
         const I64 leaving = load(w.leaving, i);
         const Materials materials(w, i);
         V3 share = materials(&material::Material::specular);
+        const I64 mirrors = ~isBlack(share);
+        I64 reflects = mirrors, sends = mirrors & Sends::kMirrors;
         if (i + kLanes > transmitters) {
             const F64 ratio = load(w.ratio, i);
             // An interpolated normal may point away from the viewer.
@@ -282,17 +315,24 @@ void leave(Wave& w, std::size_t first, std::size_t transmitters, std::size_t cou
             const I64 straight = ratio == 1, passes = straight | (sineSquared < 1);
             const V3 out = select(straight, direction, -intoHemisphere(-bent, geometric));
             const V3 transmission = materials(&material::Material::transmission);
-            store(w.passes, i, passes);
             store(w.refracted, w, i,
                   spawnOrigin(position, geometric, leaving, load(w.refractedError, i), out),
                   __builtin_inf(), out);
-            store(w.refractedWeight, i, weight * (color * transmission));
+            const V3 refracted = weight * (color * transmission);
+            store(w.refractedWeight, i, refracted);
             share = share + select(passes, none, transmission);
+            const I64 clear = ~isBlack(transmission);
+            reflects |= clear & ~passes;
+            sends |=
+                (clear & passes & Sends::kRefracts) | (isBlack(refracted) & Sends::kRefractedBlack);
         }
         const V3 out =
             intoHemisphere(unit(direction - shading * (2 * dot(direction, shading))), geometric);
         store(w.mirrored, w, i, spawnOrigin(position, geometric, leaving, load(w.error, i), out),
               __builtin_inf(), out);
-        store(w.mirroredWeight, i, weight * (color * share));
+        const V3 mirrored = weight * (color * share);
+        store(w.mirroredWeight, i, mirrored);
+        store(w.sends, i,
+              sends | (reflects & Sends::kReflects) | (isBlack(mirrored) & Sends::kReflectedBlack));
     }
 }

@@ -13,6 +13,6 @@ namespace {
 #include "wave.inl"
 } // namespace
 
-const WaveKernel waveKernel = {gather, face, aim, add, bend, leave};
+const WaveKernel waveKernel = {through, gather, face, aim, add, bend, leave};
 
 } // namespace rt::trace::avx512

@@ -511,16 +511,10 @@ private:
             }
         if (front.senders < count) kernel_.leave(wave, front.senders, front.transmitters, count);
         for (std::size_t i = front.senders; i < count; ++i) {
-            const material::Material& material = *wave.material[i];
-            bool mirrors = material.isMirror();
+            const std::int64_t sends = wave.sends.at[i];
             if constexpr (kFeatures.transmission)
-                if (!material.isOpaque()) {
-                    if (wave.passes.at[i])
-                        transmit(front, i, mirrors);
-                    else
-                        mirrors = true;
-                }
-            if (mirrors) reflect(front, i);
+                if (sends & Sends::kRefracts) transmit(front, i, sends);
+            if (sends & Sends::kReflects) reflect(front, i, sends);
         }
         for (std::size_t i = 0; i < count; ++i) {
             const LinearRgb light = colorAt(wave.light, i);
@@ -528,8 +522,8 @@ private:
         }
     }
 
-    void reflect(const Front& front, std::size_t i) {
-        Child* const child = admit(front, i, RayKind::reflected);
+    void reflect(const Front& front, std::size_t i, std::int64_t sends) {
+        Child* const child = admit(front, i, RayKind::reflected, sends & Sends::kReflectedBlack);
         if (!child) return;
         ++counts_.reflected;
         note(front, *child);
@@ -552,16 +546,21 @@ private:
         wave.refractedError.at[i] += also.error;
     }
 
-    /// mirrors: there may be a mirrored ray beside it.
-    void transmit(Front& front, std::size_t i, bool mirrors) {
+    void transmit(Front& front, std::size_t i, std::int64_t sends) {
         const std::uint32_t number = front.met[i].coincident;
         const Coincident* const also =
             number == kNoCoincident ? nullptr : &scratch_.coincident[number];
         Columns& weights = front.wave.refractedWeight;
-        if (also) put(weights, i, colorAt(weights, i) * also->filter);
-        Child* const child = admit(front, i, RayKind::refracted);
+        bool black = sends & Sends::kRefractedBlack;
+        if (also) {
+            const LinearRgb weight = colorAt(weights, i) * also->filter;
+            put(weights, i, weight);
+            black = weight.isBlack();
+        }
+        Child* const child = admit(front, i, RayKind::refracted, black);
         if (!child) return;
-        if (mirrors) child->term = scratch_.sums.branch(child->term);
+        // There may be a mirrored ray beside it.
+        if (sends & Sends::kMirrors) child->term = scratch_.sums.branch(child->term);
         if constexpr (Observer::kActive)
             observer_.transmitted(child->node, facingOf(front, i), also);
         if (also && also->opaque) return touch(front, *child, *also);
@@ -587,18 +586,17 @@ private:
     }
 
     /// The next child, if it is worth a ray.
-    Child* admit(const Front& front, std::size_t i, RayKind kind) {
+    Child* admit(const Front& front, std::size_t i, RayKind kind, bool black) {
         const Work& parent = front.workOf(i);
-        const LinearRgb weight = weightOf(front, kind, i);
         const std::uint32_t depth = parent.depth + 1;
         Fate fate = Fate::traced;
-        if (weight.isBlack()) {
+        if (black) {
             fate = Fate::nothingToAdd;
         } else if (depth > stage_.depth) {
             fate = Fate::cutByDepth;
             ++counts_.cutByDepth;
-            counts_.lostByDepth += weight.maxComponent();
-        } else if (weight.maxComponent() < stage_.cutoff) {
+            counts_.lostByDepth += weightOf(front, kind, i).maxComponent();
+        } else if (stage_.cutoff > 0 && weightOf(front, kind, i).maxComponent() < stage_.cutoff) {
             fate = Fate::cutByContribution;
             ++counts_.cutByContribution;
         }
@@ -609,7 +607,7 @@ private:
         child.kind = kind;
         child.ofContact = false;
         if constexpr (Observer::kActive)
-            child.node = observer_.child(parent, depth, weight, kind, fate);
+            child.node = observer_.child(parent, depth, weightOf(front, kind, i), kind, fate);
         return fate == Fate::traced ? &child : nullptr;
     }
 

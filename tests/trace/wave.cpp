@@ -74,6 +74,7 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
         const auto wave = std::make_unique<Wave>();
         material::Material glass;
         glass.ior = kIndex;
+        glass.transmission = {0.5, 0.6, 0.7};
         glass.color = {0.25, 0.5, 0.75};
         std::fill_n(wave->material, kColumn, &glass);
         std::fill_n(wave->sphere, kColumn, &kNoSphere);
@@ -134,7 +135,8 @@ TEST(Wave, hasTheBitsOfTheScalarCodeAtEverySimdLevel) {
                       dot(halfway, met.normal()) / std::sqrt(dot(halfway, halfway)));
 
             const auto bent = refracted(met.ray.direction, met.normal(), wave->ratio.at[i]);
-            ASSERT_EQ(wave->passes.at[i] != 0, bent.has_value());
+            ASSERT_EQ(wave->sends.at[i],
+                      bent ? Sends::kRefracts | Sends::kReflectedBlack : Sends::kReflects);
             total += !bent;
             if (bent) {
                 const Vec3 out = -intoHemisphere(-*bent, met.normal());
