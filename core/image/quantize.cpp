@@ -1,5 +1,6 @@
 #include <core/image/quantize.hpp>
 #include <core/numeric/colour.hpp>
+#include <core/numeric/rounding.hpp>
 
 #include <array>
 
@@ -15,16 +16,17 @@ constexpr unsigned kCells =
     4096; // a cell of [0, 1] holds at most one limit: the steepest codes are 1 / 3295 apart
 
 struct Srgb8Tables {
-    std::array<double, 255> limit;              // limit[k] parts code k from k + 1
+    std::array<double, 256> limit; // limit[k] parts code k from k + 1; none is above 255
     std::array<std::uint8_t, kCells + 1> first; // code at the lower end of a cell
     std::array<double, 256> linear;
 
     Srgb8Tables() {
         for (unsigned k = 0; k < 255; ++k) limit[k] = numeric::linearFromSrgb((k + 0.5) / 255);
+        limit[255] = numeric::kInfinity;
         for (unsigned k = 0; k < 256; ++k) linear[k] = numeric::linearFromSrgb(k / 255.0);
         unsigned code = 0;
         for (unsigned cell = 0; cell <= kCells; ++cell) {
-            while (code < 255 && limit[code] < double(cell) / kCells) ++code;
+            while (limit[code] < double(cell) / kCells) ++code;
             first[cell] = static_cast<std::uint8_t>(code);
         }
     }
@@ -38,8 +40,9 @@ const Srgb8Tables& srgb8Tables() {
 std::uint8_t srgb8With(const Srgb8Tables& tables, double linear) {
     const double c = clampedToUnit(linear);
     unsigned code = tables.first[static_cast<unsigned>(c * kCells)];
-    while (code < 255 && (c > tables.limit[code] || (c == tables.limit[code] && code % 2 == 1)))
-        ++code;
+    // Halves to even codes; without a branch, since none can be foretold.
+    const double limit = tables.limit[code];
+    code += static_cast<unsigned>(c > limit) | (static_cast<unsigned>(c == limit) & code & 1);
     return static_cast<std::uint8_t>(code);
 }
 
