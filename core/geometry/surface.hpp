@@ -53,8 +53,8 @@ std::uint32_t sourceFaceOf(const Primitives& primitives, PrimitiveId id);
 /// Precondition: `segment` is that of `id`, and of spheres.
 inline const Sphere& sphereOf(const Primitives& primitives, const Segment& segment,
                               PrimitiveId id) {
-    return primitives.spheres[segment.index + static_cast<std::uint32_t>(id) -
-                              static_cast<std::uint32_t>(segment.first)];
+    return primitives.spheres.data()[segment.index + static_cast<std::uint32_t>(id) -
+                                     static_cast<std::uint32_t>(segment.first)];
 }
 
 /// Material of a primitive; cheaper than surfaceAt.

@@ -316,12 +316,15 @@ void Octree::crossings(std::span<const Ray> rays, const std::vector<bool>& opaqu
     CrossingQuery query(*impl_->primitives, impl_->view, rays, opaqueMaterials, lists.found_,
                         lists.found_);
     impl_->kernel->crossings(impl_->view, rays.data(), rays.size(), query, ended.data(), visits);
-    for (const Found& f : query.all()) end[f.ray] += !ended[f.ray];
+    std::uint32_t* const ends = end.data();
+    const std::uint8_t* const isEnded = ended.data();
+    for (const Found& f : query.all()) ends[f.ray] += !isEnded[f.ray];
     std::uint32_t sum = 0;
     for (std::uint32_t& n : end) sum += std::exchange(n, sum);
     lists.all_.resize(sum);
+    Crossing* const all = lists.all_.data();
     for (const Found& f : query.all())
-        if (!ended[f.ray]) lists.all_[end[f.ray]++] = {f.t, PrimitiveId{f.id}};
+        if (!isEnded[f.ray]) all[ends[f.ray]++] = {f.t, PrimitiveId{f.id}};
     Crossing* first = lists.all_.data();
     for (const std::uint32_t e : end) {
         Crossing* const last = lists.all_.data() + e;

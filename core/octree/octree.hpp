@@ -83,11 +83,12 @@ struct Found {
 class CrossingLists {
 public:
     /// Did the ray meet something opaque? Then it has no list.
-    bool isEnded(std::size_t ray) const { return ended_[ray]; }
+    bool isEnded(std::size_t ray) const { return ended_.data()[ray]; }
     /// By rising t then id.
     std::span<const Crossing> of(std::size_t ray) const {
-        const std::uint32_t first = ray ? end_[ray - 1] : 0;
-        return {all_.data() + first, end_[ray] - first};
+        const std::uint32_t* const end = end_.data() + ray;
+        const std::uint32_t first = ray ? end[-1] : 0;
+        return {all_.data() + first, *end - first};
     }
 
 private:

@@ -36,9 +36,9 @@ struct Front {
         count = 0;
         senders = transmitters = kWave;
     }
-    const Work& workOf(std::size_t i) const { return batch.works[wave.ray[i]]; }
-    const geometry::Ray& rayOf(std::size_t i) const { return batch.rays[wave.ray[i]]; }
-    const geometry::Hit& hitOf(std::size_t i) const { return batch.hits[wave.ray[i]]; }
+    const Work& workOf(std::size_t i) const { return batch.works.data()[wave.ray[i]]; }
+    const geometry::Ray& rayOf(std::size_t i) const { return batch.rays.data()[wave.ray[i]]; }
+    const geometry::Hit& hitOf(std::size_t i) const { return batch.hits.data()[wave.ray[i]]; }
 };
 
 enum class RayKind : std::uint8_t { reflected, refracted };

@@ -156,16 +156,17 @@ private:
         const auto& primitives = stage_.world.primitives;
         geometry::prefetchSurfaces(primitives, batch.hits);
         const std::size_t count = batch.rays.size();
-        const auto segments = room(scratch_.segments, count);
-        const auto ranks = room(scratch_.ranks, count);
-        const auto sorted = room(scratch_.sorted, count);
+        const geometry::Hit* const hits = batch.hits.data();
+        const geometry::Segment** const segments = room(scratch_.segments, count).data();
+        std::uint8_t* const ranks = room(scratch_.ranks, count).data();
+        std::uint32_t* const sorted = room(scratch_.sorted, count).data();
         Groups<kRanks> byRank;
         byRank.start();
         for (std::size_t i = 0; i < count; ++i) {
             std::uint8_t rank = kRankOfMisses;
-            if (batch.hits[i]) {
-                segments[i] = &primitives.segmentOf(batch.hits[i].id);
-                rank = stage_.rankOf(*segments[i], batch.hits[i].id);
+            if (hits[i]) {
+                segments[i] = &primitives.segmentOf(hits[i].id);
+                rank = stage_.rankOf(*segments[i], hits[i].id);
             }
             ranks[i] = rank;
             byRank.note(rank);
@@ -176,7 +177,7 @@ private:
         Front& front = *scratch_.front;
         front.start(batch);
         byRank.forEachGroup([&](std::size_t rank, std::size_t first, std::size_t size) {
-            const std::span<const std::uint32_t> rays = sorted.subspan(first, size);
+            const std::span rays(sorted + first, size);
             const auto kind = static_cast<geometry::Kind>(rank & kKindOfRank);
             if (rank == kRankOfMisses)
                 for (const std::uint32_t i : rays) miss(batch, i);
@@ -192,19 +193,19 @@ private:
     void miss(const Batch& batch, std::uint32_t i) {
         const LinearRgb seen = stage_.background.seenBy(batch.rays[i]);
         if constexpr (Observer::kActive) observer_.miss(batch.works[i], seen);
-        contribute(batch.works[i], seen);
+        contribute(batch.works.data()[i], seen);
     }
 
     void meetSphere(Front& front, std::uint32_t i, const geometry::Segment& segment) {
-        const geometry::PrimitiveId id = front.batch.hits[i].id;
+        const geometry::PrimitiveId id = front.batch.hits.data()[i].id;
         front.wave.sphere[front.count] = &geometry::sphereOf(stage_.world.primitives, segment, id);
         add(front, i, segment, segment.material, geometry::kNoPrimitive);
     }
 
     /// As meetOther, faster.
     void meetParallelogram(Front& front, std::uint32_t i, const geometry::Segment& segment) {
-        const geometry::Ray& ray = front.batch.rays[i];
-        const geometry::Hit& hit = front.batch.hits[i];
+        const geometry::Ray& ray = front.batch.rays.data()[i];
+        const geometry::Hit& hit = front.batch.hits.data()[i];
         const std::uint32_t index = segment.index + static_cast<std::uint32_t>(hit.id) -
                                     static_cast<std::uint32_t>(segment.first);
         const geometry::Plane& plane = stage_.planes.data()[index];
@@ -491,7 +492,8 @@ private:
             LinearRgb visible = ended ? LinearRgb{} : light.color;
             for (const geometry::Crossing& crossing : crossed.of(i)) {
                 const auto id = geometry::materialOf(stage_.world.primitives, crossing.id);
-                visible *= stage_.world.materials[static_cast<std::uint32_t>(id)].transmission;
+                visible *=
+                    stage_.world.materials.data()[static_cast<std::uint32_t>(id)].transmission;
             }
             if constexpr (kFeatures.counting != Counting::none)
                 counts_.blocked += ended || !crossed.of(i).empty();
