@@ -151,7 +151,7 @@ public:
     void write(image::Framebuffer& frame) const {
         for (std::uint32_t y = region_.y0; y < region_.y1; ++y)
             for (std::uint32_t x = region_.x0; x < region_.x1; ++x)
-                if (at(x, y).samples) frame.at(x, y) = mean(at(x, y));
+                frame.at(x, y) = at(x, y).samples ? mean(at(x, y)) : LinearRgb{};
     }
 
     static constexpr double kShareOfFirstPass = 0.3; // of the progress bar
@@ -283,7 +283,7 @@ void sampleAdaptively(const View& view, Sampler sampler, double rmse, const Regi
     const auto start = Clock::now();
     Adaptive adaptive(view, sampler, region, options, result.counts);
     result.complete = adaptive.sampleAll();
-    if (!result.complete) return;
+    if (!result.complete) return adaptive.write(result.frame);
     // Falling thresholds equalise what one more sample is worth in every pixel; small steps end close to what was asked
     // for (halving took a tenth more samples). They fall in every pass: to wait until none is above took 900 passes, not 80.
     constexpr double kStep = 1.1;

@@ -43,10 +43,17 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
     const double first = sampling == scene::Sampling::center ? 0.5 : 0;
     std::vector<double> offset(n); // of the samples from the corner of their pixel
     for (std::uint32_t k = 0; k < n; ++k) offset[k] = (k + first) / n;
-    return forEachPiece(
+    const auto blacken = [&frame](const Region& part) {
+        for (std::uint32_t y = part.y0; y < part.y1; ++y)
+            std::fill_n(&frame.at(part.x0, y), part.width(), LinearRgb{});
+    };
+    std::vector<std::uint8_t> begun(tiles.count());
+    const bool complete = forEachPiece(
         tiles.count(), options, counts, 0, 1,
         [&](std::size_t number, Scratch& scratch, RayCounts& counted) {
             const Region tile = tiles[number];
+            begun[number] = true;
+            blacken(tile);
             const std::uint32_t rows = rowsOfBand(tile.width(), n);
             std::vector<PicturePoint> points;
             std::vector<LinearRgb> colors;
@@ -90,6 +97,9 @@ bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampl
                     }
             }
         });
+    for (std::size_t number = 0; number < tiles.count(); ++number)
+        if (!begun[number]) blacken(tiles[number]);
+    return complete;
 }
 
 } // namespace rt::trace

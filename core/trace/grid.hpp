@@ -7,7 +7,7 @@
 namespace rt::trace {
 
 /// Each pixel of `region` becomes the mean of n x n samples, which are the pixels of the picture at
-/// n times the size. False when stopped; pixels not reached stay as they are.
+/// n times the size. False when stopped; pixels not reached are black.
 bool sampleGrid(const View& view, Sampler sampler, std::uint32_t n, scene::Sampling sampling,
                 const Region& region, const Options& options, image::Framebuffer& frame,
                 RayCounts& counts);

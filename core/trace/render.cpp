@@ -62,9 +62,7 @@ Result render(const octree::Octree& octree, const world::World& world,
         grid(uniform->n);
     else
         grid(std::holds_alternative<scene::AntialiasFsaa4>(settings.antialias) ? 2 : 1);
-    if (!result.complete) {
-        result.frame = {};
-    } else if (smoothed) {
+    if (smoothed) {
         smooth(result.frame);
         keepOnly(wanted, result.frame);
     }

@@ -34,7 +34,7 @@ struct Options {
 
 struct Result {
     image::Framebuffer frame; // linear, after tone and smooth as the scene asks
-    bool complete = true;     // false: stopped, and there is no frame
+    bool complete = true;     // false: stopped; pixels not reached are black
     RayCounts counts;
     /// antialias: {max_error} only. The estimated RMSE over the traced pixels and channels, before
     /// smooth. With this very value as max_error the frame has the same bytes.
