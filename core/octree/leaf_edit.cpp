@@ -1,10 +1,11 @@
 #include <core/octree/leaf_edit.hpp>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <limits>
 #include <type_traits>
+
+#include <emmintrin.h>
 
 namespace rt::octree {
 namespace {
@@ -42,43 +43,73 @@ template <class Block> int countOf(const Block& block) {
     }
 }
 
-template <class Block> constexpr int kLanesOf = kShares<Block> ? kSharedLanes : kLanes;
+/// The lanes of a row in registers; moved without branches, which nobody could foresee.
+template <class T, std::size_t kCount> class Row {
+public:
+    explicit Row(T (&row)[kCount]) : row_(row) {
+        for (int i = 0; i < kRegisters; ++i) old_[i] = _mm_loadu_si128(at(i));
+    }
+    /// Those after one move into it. `unused`: what the last one holds then.
+    void close(int lane, T unused) const {
+        T last[kCount] = {unused};
+        for (int i = 0; i < kRegisters; ++i) {
+            const __m128i next = i + 1 < kRegisters
+                                     ? old_[i + 1]
+                                     : _mm_loadu_si128(reinterpret_cast<const __m128i*>(last));
+            store(i, lane, _mm_srli_si128(old_[i], sizeof(T)),
+                  _mm_slli_si128(next, 16 - sizeof(T)));
+        }
+    }
+    /// One and those after it move away; the last is lost.
+    void open(int lane) const {
+        for (int i = 0; i < kRegisters; ++i) {
+            const __m128i before = i ? old_[i - 1] : _mm_setzero_si128();
+            store(i, lane, _mm_slli_si128(old_[i], sizeof(T)),
+                  _mm_srli_si128(before, 16 - sizeof(T)));
+        }
+    }
 
-/// For each lane the one that its triangle comes from; kLanesOf: none does.
-template <class Block> using Order = std::array<std::uint8_t, kLanesOf<Block>>;
+private:
+    static constexpr int kRegisters = sizeof(T) * kCount / 16;
 
-/// Of all that the lanes hold but the ids. Without branches, which nobody could foresee.
-template <class Block> void rearrange(Block& block, const Order<Block>& from) {
-    const auto row = [&](auto& lanes) {
-        using Value = std::remove_reference_t<decltype(lanes[0])>;
-        Value before[kLanesOf<Block> + 1];
-        std::copy_n(lanes, kLanesOf<Block>, before);
-        before[kLanesOf<Block>] =
-            kShares<Block> ? Value{} : std::numeric_limits<Value>::quiet_NaN();
-        for (int lane = 0; lane < kLanesOf<Block>; ++lane) lanes[lane] = before[from[lane]];
-    };
+    __m128i* at(int i) const { return reinterpret_cast<__m128i*>(row_) + i; }
+    /// From a lane on, what has moved there, in two parts.
+    void store(int i, int lane, __m128i a, __m128i b) const {
+        const int bytes = lane * static_cast<int>(sizeof(T)) - 16 * i;
+        const __m128i stays =
+            _mm_cmpgt_epi8(_mm_set1_epi8(static_cast<char>(bytes)),
+                           _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+        _mm_storeu_si128(at(i), _mm_or_si128(_mm_and_si128(stays, old_[i]),
+                                             _mm_andnot_si128(stays, _mm_or_si128(a, b))));
+    }
+
+    T* const row_;
+    __m128i old_[kRegisters];
+};
+
+/// Calls visit(row) with each row of what a triangle's lane holds, but for its id.
+template <class Block, class Visit> void overRows(Block& block, const Visit& visit) {
     if constexpr (kShares<Block>) {
-        for (auto& lanes : block.index) row(lanes);
+        for (auto& row : block.index) visit(row);
     } else {
         for (auto& corner : block.corner)
-            for (auto& lanes : corner) row(lanes);
+            for (auto& row : corner) visit(row);
     }
 }
 
-/// Takes lanes away and closes the gaps.
-template <class Block> void dropLanes(Block& block, std::uint32_t* id, unsigned dropped) {
-    const int before = countOf(block);
-    Order<Block> from;
-    int count = 0;
-    for (int lane = 0; lane < kLanesOf<Block>; ++lane) {
-        from[count] = static_cast<std::uint8_t>(lane);
-        count += lane < before && !(dropped >> lane & 1);
+/// Takes a lane away and closes the gap.
+template <class Block> void dropLane(Block& block, std::uint32_t* id, int count, int lane) {
+    overRows(block, [&](auto& row) {
+        using Value = std::remove_reference_t<decltype(row[0])>;
+        Row(row).close(lane, kShares<Block> ? Value{} : std::numeric_limits<Value>::quiet_NaN());
+    });
+    if constexpr (kShares<Block>) block.valid >>= 1;
+    if constexpr (std::is_same_v<Block, NarrowSharedBlock>) {
+        std::copy(id + lane + 1, id + count, id + lane);
+        id[count - 1] = kEmptyChild;
+    } else {
+        Row(block.id).close(lane, kEmptyChild);
     }
-    for (int lane = count; lane < kLanesOf<Block>; ++lane) from[lane] = kLanesOf<Block>;
-    rearrange(block, from);
-    for (int lane = 0; lane < count; ++lane) id[lane] = id[from[lane]];
-    for (int lane = count; lane < before; ++lane) id[lane] = kEmptyChild;
-    if constexpr (kShares<Block>) block.valid = (1u << count) - 1;
 }
 
 /// Bit per corner that a triangle of a shared block has.
@@ -98,12 +129,18 @@ template <class Block> numeric::Box3d boundsOf(const Block& block) {
             box.add(Vec3(block.corner[0][i], block.corner[1][i], block.corner[2][i]));
         }
     } else {
-        for (int a = 0; a < 3; ++a)
+        using Float = std::remove_cvref_t<decltype(block.corner[0][0][0])>;
+        Float least[3], most[3];
+        for (int a = 0; a < 3; ++a) {
+            least[a] = std::numeric_limits<Float>::infinity();
+            most[a] = -least[a];
             for (const auto& corner : block.corner)
-                for (const double x : corner[a]) { // NaN, of unused ones, is neither
-                    box.min[a] = x < box.min[a] ? x : box.min[a];
-                    box.max[a] = x > box.max[a] ? x : box.max[a];
+                for (const Float x : corner[a]) { // NaN, of unused ones, is neither
+                    least[a] = x < least[a] ? x : least[a];
+                    most[a] = x > most[a] ? x : most[a];
                 }
+        }
+        box = {{least[0], least[1], least[2]}, {most[0], most[1], most[2]}};
     }
     return box;
 }
@@ -119,16 +156,12 @@ template <class Block> Vec3 cornerOf(const Block& block, std::size_t c, int lane
 
 /// Shifts lanes so that the triangle's is free, by rising id; returns it.
 template <class Block> int openLane(Block& block, std::uint32_t newId) {
-    const int count = countOf(block);
-    int at = 0;
-    for (int lane = 0; lane < count; ++lane) at += block.id[lane] < newId;
-    Order<Block> from;
-    for (int lane = 0; lane < kLanesOf<Block>; ++lane)
-        from[lane] = static_cast<std::uint8_t>(lane - (lane > at));
-    rearrange(block, from);
-    for (int lane = count; lane > at; --lane) block.id[lane] = block.id[lane - 1];
-    block.id[at] = newId;
-    return at;
+    int lane = 0;
+    for (const std::uint32_t id : block.id) lane += id < newId; // unused ones are larger
+    overRows(block, [&](auto& row) { Row(row).open(lane); });
+    Row(block.id).open(lane);
+    block.id[lane] = newId;
+    return lane;
 }
 
 /// Where in a shared block the corners of another triangle are, or have room. False: they do not fit.
@@ -219,7 +252,11 @@ LooseTriangle triangleAt(const Tree& tree, std::uint32_t leaf, int position) {
 
 numeric::Box3d dropTriangles(Tree& tree, std::uint32_t leaf, unsigned positions) {
     return onBlock(tree, leaf, [&](auto& block, std::uint32_t* id) {
-        dropLanes(block, id, positions);
+        for (int count = countOf(block); positions; --count) {
+            const int lane = static_cast<int>(std::bit_width(positions)) - 1;
+            dropLane(block, id, count, lane);
+            positions &= ~(1u << lane);
+        }
         return boundsOf(block);
     });
 }

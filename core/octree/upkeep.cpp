@@ -2,6 +2,7 @@
 
 #include <core/octree/emit.hpp>
 #include <core/octree/leaves.hpp>
+#include <core/octree/prefetch.hpp>
 #include <core/octree/references.hpp>
 #include <core/octree/shares.hpp>
 
@@ -84,8 +85,26 @@ void Upkeep::release(std::uint32_t reference) {
         idsOfLeaf(tree_, reference, members_);
         return places_.freeLeaf(reference);
     }
+    for (const std::uint32_t child : tree_.nodes[reference].child)
+        if (child != kEmptyChild) prefetch(tree_, child);
     for (const std::uint32_t child : tree_.nodes[reference].child) release(child);
     places_.freeNode(reference);
+}
+
+/// What rebuild() will look at after the i-th of its members.
+void Upkeep::prefetchAhead(std::size_t i) const {
+    constexpr std::size_t kStep = 8;
+    const auto& triangles = primitives_.triangles;
+    const auto indicesOf = [&](std::size_t at) -> const std::array<std::uint32_t, 3>* {
+        if (at >= members_.size()) return nullptr;
+        const auto& segment = primitives_.segmentOf(geometry::PrimitiveId{members_[at]});
+        return segment.kind == geometry::Kind::triangle
+                   ? &triangles.indices[indexInKind(primitives_, members_[at])]
+                   : nullptr;
+    };
+    if (const auto* indices = indicesOf(i + 2 * kStep)) prefetchLines(*indices);
+    if (const auto* indices = indicesOf(i + kStep))
+        for (const std::uint32_t c : *indices) prefetchLines(triangles.positions[c]);
 }
 
 bool Upkeep::rebuild(std::uint32_t index) {
@@ -99,8 +118,10 @@ bool Upkeep::rebuild(std::uint32_t index) {
     const auto count = static_cast<std::uint32_t>(members_.size());
     report_.rebuilt += count;
     Array<Reference> references(count);
-    for (std::uint32_t i = 0; i < count; ++i)
+    for (std::uint32_t i = 0; i < count; ++i) {
+        prefetchAhead(i);
         if (!referenceOf(primitives_, members_[i], center_, scale_, references[i])) return false;
+    }
     const Cells cells(primitives_, std::move(references), count, scale_, options_);
     const std::uint32_t child =
         emitSubtree(cells, primitives_, options_.storage, links.parent, links.slot, tree_, places_);

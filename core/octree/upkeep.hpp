@@ -29,6 +29,7 @@ private:
     void findDrifted(std::uint32_t index, Drifted& found) const;
     std::size_t liveNodes() const { return tree_.nodes.size() - state_.free[kNodes].size(); }
     void release(std::uint32_t reference);
+    void prefetchAhead(std::size_t i) const;
     bool rebuild(std::uint32_t index);
 
     Tree& tree_;
