@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -43,72 +44,68 @@ template <class Block> int countOf(const Block& block) {
     }
 }
 
-/// The lanes of a row in registers; moved without branches, which nobody could foresee.
-template <class T, std::size_t kCount> class Row {
-public:
-    explicit Row(T (&row)[kCount]) : row_(row) {
-        for (int i = 0; i < kRegisters; ++i) old_[i] = _mm_loadu_si128(at(i));
-    }
-    /// Those after one move into it. `unused`: what the last one holds then.
-    void close(int lane, T unused) const {
-        T last[kCount] = {unused};
-        for (int i = 0; i < kRegisters; ++i) {
-            const __m128i next = i + 1 < kRegisters
-                                     ? old_[i + 1]
-                                     : _mm_loadu_si128(reinterpret_cast<const __m128i*>(last));
-            store(i, lane, _mm_srli_si128(old_[i], sizeof(T)),
-                  _mm_slli_si128(next, 16 - sizeof(T)));
-        }
-    }
-    /// One and those after it move away; the last is lost.
-    void open(int lane) const {
-        for (int i = 0; i < kRegisters; ++i) {
-            const __m128i before = i ? old_[i - 1] : _mm_setzero_si128();
-            store(i, lane, _mm_slli_si128(old_[i], sizeof(T)),
-                  _mm_srli_si128(before, 16 - sizeof(T)));
-        }
-    }
-
-private:
+/// Which bytes of a row of lanes are of those before one of them.
+template <class T, std::size_t kCount> struct Before {
     static constexpr int kRegisters = sizeof(T) * kCount / 16;
+    __m128i of[kRegisters];
 
-    __m128i* at(int i) const { return reinterpret_cast<__m128i*>(row_) + i; }
-    /// From a lane on, what has moved there, in two parts.
-    void store(int i, int lane, __m128i a, __m128i b) const {
-        const int bytes = lane * static_cast<int>(sizeof(T)) - 16 * i;
-        const __m128i stays =
-            _mm_cmpgt_epi8(_mm_set1_epi8(static_cast<char>(bytes)),
-                           _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
-        _mm_storeu_si128(at(i), _mm_or_si128(_mm_and_si128(stays, old_[i]),
-                                             _mm_andnot_si128(stays, _mm_or_si128(a, b))));
+    Before(int lane) {
+        for (int i = 0; i < kRegisters; ++i)
+            of[i] = _mm_cmpgt_epi8(
+                _mm_set1_epi8(static_cast<char>(lane * static_cast<int>(sizeof(T)) - 16 * i)),
+                _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
     }
-
-    T* const row_;
-    __m128i old_[kRegisters];
 };
 
-/// Calls visit(row) with each row of what a triangle's lane holds, but for its id.
-template <class Block, class Visit> void overRows(Block& block, const Visit& visit) {
-    if constexpr (kShares<Block>) {
-        for (auto& row : block.index) visit(row);
-    } else {
-        for (auto& corner : block.corner)
-            for (auto& row : corner) visit(row);
+/// Those after a lane move into it, without branches, which nobody could foresee. `unused`: what the last holds then.
+template <class T, std::size_t kCount>
+void closeLane(T (&row)[kCount], const Before<T, kCount>& before, T unused) {
+    auto* const at = reinterpret_cast<__m128i*>(row);
+    T end[kCount] = {unused};
+    for (int i = 0; i < before.kRegisters; ++i) {
+        const __m128i old = _mm_loadu_si128(at + i);
+        const __m128i next = _mm_loadu_si128(
+            i + 1 < before.kRegisters ? at + i + 1 : reinterpret_cast<const __m128i*>(end));
+        const __m128i moved =
+            _mm_or_si128(_mm_srli_si128(old, sizeof(T)), _mm_slli_si128(next, 16 - sizeof(T)));
+        _mm_storeu_si128(at + i, _mm_or_si128(_mm_and_si128(before.of[i], old),
+                                              _mm_andnot_si128(before.of[i], moved)));
+    }
+}
+
+/// A lane and those after it move away; the last is lost, and the one holds anything.
+template <class T, std::size_t kCount>
+void openLane(T (&row)[kCount], const Before<T, kCount>& before) {
+    auto* const at = reinterpret_cast<__m128i*>(row);
+    __m128i last = _mm_setzero_si128();
+    for (int i = 0; i < before.kRegisters; ++i) {
+        const __m128i old = _mm_loadu_si128(at + i);
+        const __m128i moved =
+            _mm_or_si128(_mm_slli_si128(old, sizeof(T)), _mm_srli_si128(last, 16 - sizeof(T)));
+        _mm_storeu_si128(at + i, _mm_or_si128(_mm_and_si128(before.of[i], old),
+                                              _mm_andnot_si128(before.of[i], moved)));
+        last = old;
     }
 }
 
 /// Takes a lane away and closes the gap.
 template <class Block> void dropLane(Block& block, std::uint32_t* id, int count, int lane) {
-    overRows(block, [&](auto& row) {
-        using Value = std::remove_reference_t<decltype(row[0])>;
-        Row(row).close(lane, kShares<Block> ? Value{} : std::numeric_limits<Value>::quiet_NaN());
-    });
-    if constexpr (kShares<Block>) block.valid >>= 1;
+    if constexpr (kShares<Block>) {
+        const Before<std::uint8_t, kSharedLanes> before(lane);
+        for (auto& row : block.index) closeLane(row, before, std::uint8_t{0});
+        block.valid >>= 1;
+    } else {
+        using Float = std::remove_reference_t<decltype(block.corner[0][0][0])>;
+        const Before<Float, kLanes> before(lane);
+        for (auto& corner : block.corner)
+            for (auto& row : corner)
+                closeLane(row, before, std::numeric_limits<Float>::quiet_NaN());
+    }
     if constexpr (std::is_same_v<Block, NarrowSharedBlock>) {
         std::copy(id + lane + 1, id + count, id + lane);
         id[count - 1] = kEmptyChild;
     } else {
-        Row(block.id).close(lane, kEmptyChild);
+        closeLane(block.id, {lane}, kEmptyChild);
     }
 }
 
@@ -116,9 +113,15 @@ template <class Block> void dropLane(Block& block, std::uint32_t* id, int count,
 template <class Block> unsigned usedCorners(const Block& block) {
     const int count = countOf(block);
     unsigned used = 0;
-    for (const auto& row : block.index)
-        for (int lane = 0; lane < count; ++lane) used |= 1u << row[lane];
+    for (int lane = 0; lane < count; ++lane)
+        used |=
+            1u << block.index[0][lane] | 1u << block.index[1][lane] | 1u << block.index[2][lane];
     return used;
+}
+
+__m128d twoOf(const double* from) { return _mm_loadu_pd(from); }
+__m128d twoOf(const float* from) {
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))));
 }
 
 template <class Block> numeric::Box3d boundsOf(const Block& block) {
@@ -129,16 +132,17 @@ template <class Block> numeric::Box3d boundsOf(const Block& block) {
             box.add(Vec3(block.corner[0][i], block.corner[1][i], block.corner[2][i]));
         }
     } else {
-        using Float = std::remove_cvref_t<decltype(block.corner[0][0][0])>;
-        Float least[3], most[3];
+        double least[3], most[3];
         for (int a = 0; a < 3; ++a) {
-            least[a] = std::numeric_limits<Float>::infinity();
-            most[a] = -least[a];
+            __m128d low = _mm_set1_pd(numeric::kInfinity), high = _mm_set1_pd(-numeric::kInfinity);
             for (const auto& corner : block.corner)
-                for (const Float x : corner[a]) { // NaN, of unused ones, is neither
-                    least[a] = x < least[a] ? x : least[a];
-                    most[a] = x > most[a] ? x : most[a];
+                for (int lane = 0; lane < kLanes; lane += 2) {
+                    const __m128d x = twoOf(corner[a] + lane);
+                    low = _mm_min_pd(x, low); // NaN, of unused ones, changes neither
+                    high = _mm_max_pd(x, high);
                 }
+            least[a] = _mm_cvtsd_f64(_mm_min_sd(low, _mm_unpackhi_pd(low, low)));
+            most[a] = _mm_cvtsd_f64(_mm_max_sd(high, _mm_unpackhi_pd(high, high)));
         }
         box = {{least[0], least[1], least[2]}, {most[0], most[1], most[2]}};
     }
@@ -154,13 +158,12 @@ template <class Block> Vec3 cornerOf(const Block& block, std::size_t c, int lane
     }
 }
 
-/// Shifts lanes so that the triangle's is free, by rising id; returns it.
-template <class Block> int openLane(Block& block, std::uint32_t newId) {
+/// Puts an id among others, which rise; returns its lane.
+template <std::size_t kCount> int putId(std::uint32_t (&id)[kCount], std::uint32_t newId) {
     int lane = 0;
-    for (const std::uint32_t id : block.id) lane += id < newId; // unused ones are larger
-    overRows(block, [&](auto& row) { Row(row).open(lane); });
-    Row(block.id).open(lane);
-    block.id[lane] = newId;
+    for (const std::uint32_t other : id) lane += other < newId; // unused ones are larger
+    openLane(id, {lane});
+    id[lane] = newId;
     return lane;
 }
 
@@ -189,34 +192,41 @@ bool placesOfCorners(const Block& block, const Vec3 (&corner)[3], std::uint8_t (
 }
 
 void put(SharedBlock& block, const LooseTriangle& triangle, const std::uint8_t (&at)[3]) {
-    const int lane = openLane(block, triangle.id);
+    const int lane = putId(block.id, triangle.id);
+    const Before<std::uint8_t, kSharedLanes> before(lane);
     block.valid = 2 * block.valid + 1;
     for (std::size_t c = 0; c < 3; ++c) {
+        openLane(block.index[c], before);
         block.index[c][lane] = at[c];
         for (int a = 0; a < 3; ++a) block.corner[a][at[c]] = triangle.corner[c][a];
     }
 }
 
 void put(TriangleBlock& block, const LooseTriangle& triangle) {
-    const int lane = openLane(block, triangle.id);
+    const int lane = putId(block.id, triangle.id);
+    const Before<double, kLanes> before(lane);
     for (std::size_t c = 0; c < 3; ++c)
-        for (int a = 0; a < 3; ++a) block.corner[c][a][lane] = triangle.corner[c][a];
+        for (int a = 0; a < 3; ++a) {
+            openLane(block.corner[c][a], before);
+            block.corner[c][a][lane] = triangle.corner[c][a];
+        }
 }
 
-SharedBlock widened(const NarrowSharedBlock& narrow, const std::uint32_t* id) {
-    SharedBlock block{};
+void widen(const NarrowSharedBlock& narrow, const std::uint32_t* id, SharedBlock& block) {
     for (int a = 0; a < 3; ++a)
         std::copy(std::begin(narrow.corner[a]), std::end(narrow.corner[a]), block.corner[a]);
     std::copy(&narrow.index[0][0], &narrow.index[0][0] + sizeof narrow.index, &block.index[0][0]);
     std::fill(std::begin(block.id), std::end(block.id), kEmptyChild);
     std::copy_n(id, countOf(narrow), block.id);
     block.valid = narrow.valid;
-    return block;
+    std::fill(std::begin(block.spare), std::end(block.spare), 0);
 }
 
-template <class Block> TriangleBlock spread(const Block& from, const std::uint32_t* id) {
-    TriangleBlock block{};
+/// A block that holds nothing yet.
+template <class Block>
+void spread(const Block& from, const std::uint32_t* id, TriangleBlock& block) {
     const int count = countOf(from);
+    for (std::uint32_t& word : block.spare) word = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
         block.id[lane] = lane < count ? id[lane] : kEmptyChild;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -225,7 +235,6 @@ template <class Block> TriangleBlock spread(const Block& from, const std::uint32
             for (int a = 0; a < 3; ++a) block.corner[c][a][lane] = p[a];
         }
     }
-    return block;
 }
 
 } // namespace
@@ -262,28 +271,31 @@ numeric::Box3d dropTriangles(Tree& tree, std::uint32_t leaf, unsigned positions)
 }
 
 std::uint32_t leafOf(Tree& tree, Places& places, Storage storage, const LooseTriangle& triangle) {
-    const auto fill = [&](auto& block, std::uint32_t* id) {
+    const auto fill = [&](auto& block) {
         using Float = std::remove_reference_t<decltype(block.corner[0][0])>;
-        for (int a = 0; a < 3; ++a)
-            for (int i = 0; i < kSharedLanes; ++i)
-                block.corner[a][i] = static_cast<Float>(triangle.corner[i < 3 ? i : 0][a]);
-        for (std::size_t c = 0; c < 3; ++c) block.index[c][0] = static_cast<std::uint8_t>(c);
+        for (int a = 0; a < 3; ++a) {
+            std::ranges::fill(block.corner[a], static_cast<Float>(triangle.corner[0][a]));
+            for (int c = 1; c < 3; ++c)
+                block.corner[a][c] = static_cast<Float>(triangle.corner[c][a]);
+        }
+        std::memset(block.index, 0, sizeof block.index);
+        for (std::uint8_t c = 0; c < 3; ++c) block.index[c][0] = c;
         block.valid = 1;
-        *id = triangle.id;
+        std::ranges::fill(block.spare, 0);
     };
     if (storage != Storage::f64 && std::ranges::all_of(triangle.corner, numeric::fitsF32)) {
-        NarrowSharedBlock block{};
-        block.ids = places.take(kNarrowIds);
-        fill(block, tree.narrowIds.data() + block.ids);
-        const std::uint32_t place = places.take(kNarrowShared);
-        tree.narrowShared[place] = block;
+        const std::uint32_t place = places.take(kNarrowShared), id = places.take(kNarrowIds);
+        NarrowSharedBlock& block = tree.narrowShared[place];
+        fill(block);
+        block.ids = id;
+        tree.narrowIds[id] = triangle.id;
         return leafReference(kNarrowSharedLeaf, place);
     }
-    SharedBlock block{};
-    std::ranges::fill(block.id, kEmptyChild);
-    fill(block, block.id);
     const std::uint32_t place = places.take(kShared);
-    tree.shared[place] = block;
+    SharedBlock& block = tree.shared[place];
+    fill(block);
+    std::ranges::fill(block.id, kEmptyChild);
+    block.id[0] = triangle.id;
     return leafReference(kSharedLeaf, place);
 }
 
@@ -315,18 +327,18 @@ std::uint32_t addTriangle(Tree& tree, Places& places, std::uint32_t leaf,
     } else if (kindOfLeaf(leaf) == kNarrowSharedLeaf) {
         const NarrowSharedBlock& narrow = tree.narrowShared[leaf & kLeafIndex];
         if (placesOfCorners(narrow, triangle.corner, at)) {
-            SharedBlock block = widened(narrow, tree.narrowIds.data() + narrow.ids);
-            put(block, triangle, at);
             const std::uint32_t place = places.take(kShared);
-            tree.shared[place] = block;
+            SharedBlock& block = tree.shared[place];
+            widen(narrow, tree.narrowIds.data() + narrow.ids, block);
+            put(block, triangle, at);
             return leafReference(kSharedLeaf, place);
         }
     }
-    TriangleBlock block = onBlock(
-        tree, leaf, [](const auto& from, const std::uint32_t* id) { return spread(from, id); });
-    put(block, triangle);
     const std::uint32_t place = places.take(kTriangles);
-    tree.triangles[place] = block;
+    TriangleBlock& block = tree.triangles[place];
+    onBlock(tree, leaf,
+            [&](const auto& from, const std::uint32_t* id) { spread(from, id, block); });
+    put(block, triangle);
     return leafReference(kTriangleLeaf, place);
 }
 
