@@ -603,7 +603,7 @@ template <bool kCount, Query kQuery>
                << i;
     Best best = bestAt(b, i);
     closestFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i), order,
-                        {b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i], best, visits);
+                        Limits{b.limitFactor[i], b.limitOffset[i]}, f, b.exclude[i], best, visits);
     return take(b, i, best);
 }
 

@@ -1,6 +1,5 @@
 #include <core/octree/emit.hpp>
 
-#include <core/octree/leaves.hpp>
 #include <core/parallel/parallel.hpp>
 
 #include <algorithm>
@@ -22,8 +21,8 @@ constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
 class Emitter {
 public:
-    Emitter(const Cells& cells, const Primitives& primitives, Storage storage, Tree& tree)
-        : cells_(cells), leaves_(primitives, storage), tree_(tree) {}
+    Emitter(const Cells& cells, const Primitives& primitives, const LeafFormat& format, Tree& tree)
+        : cells_(cells), leaves_(primitives, format), tree_(tree) {}
 
     /// Appends the node made of `cell` and all below it; returns its index.
     std::uint32_t append(std::uint32_t cell, std::uint32_t parent, std::uint32_t slot) {
@@ -235,28 +234,31 @@ private:
 } // namespace
 
 Tree emit(const Cells& cells, const std::vector<Reference>& unbounded, const Primitives& primitives,
-          Storage storage, bool movable) {
+          const LeafFormat& format, bool movable) {
     Tree tree;
+    tree.isF32 = format.precision == Precision::f32;
     if (movable) {
         tree.leafOf.resize(primitives.count());
         for (const Reference& r : unbounded) tree.leafOf[r.id] = Tree::kNoLeaf;
     }
     LeafContents rest;
     rest.fill(unbounded.data(), static_cast<std::uint32_t>(unbounded.size()), primitives);
-    Extent extent = rest.extent(), start;
+    const LeafWriter leaves(primitives, format);
+    Extent extent = leaves.measure(rest), start;
     extent.of[kRecords] = 0;
     tree.resize(extent);
-    tree.unbounded = LeafWriter(primitives, storage).writeRecord(tree, start, rest);
+    tree.unbounded = leaves.writeRecord(tree, start, rest);
     if (cells.root() == kNoCell) return tree;
-    Emitter emitter(cells, primitives, storage, tree);
+    Emitter emitter(cells, primitives, format, tree);
     emitter.append(cells.root(), kEmptyChild, 0);
     tree.hotNodes = emitter.nodesAboveJobs();
     return tree;
 }
 
-std::uint32_t emitSubtree(const Cells& cells, const Primitives& primitives, Storage storage,
-                          std::uint32_t parent, std::uint32_t slot, Tree& tree, Places& places) {
-    Emitter emitter(cells, primitives, storage, tree);
+std::uint32_t emitSubtree(const Cells& cells, const Primitives& primitives,
+                          const LeafFormat& format, std::uint32_t parent, std::uint32_t slot,
+                          Tree& tree, Places& places) {
+    Emitter emitter(cells, primitives, format, tree);
     const std::uint32_t root = cells.root();
     return cells[root].end > kWorthThreads && !cells.isLeaf(root)
                ? emitter.append(root, parent, slot)

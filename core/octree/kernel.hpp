@@ -40,18 +40,19 @@ struct Kernel {
                          geometry::Hit*, Visits*);
     void (*occludedBatch)(const TreeView&, const geometry::Ray*, std::size_t count, bool coherent,
                           std::uint8_t* answers, Visits*);
-    /// closest without the tree: every block of every leaf.
+    /// closest without the tree: every block of every leaf. Null where leaves are Precision::f32.
     void (*scan)(const TreeView&, const BlockCounts&, const geometry::Ray&, geometry::Hit*);
 };
 
+/// kernelF32: for trees of Precision::f32.
 namespace avx512 {
-extern const Kernel kernel;
+extern const Kernel kernel, kernelF32;
 }
 namespace avx2 {
-extern const Kernel kernel;
+extern const Kernel kernel, kernelF32;
 }
 namespace baseline {
-extern const Kernel kernel;
+extern const Kernel kernel, kernelF32;
 }
 
 /// One indirect call: the closest of a run before `limit` (equal t by lowest id); where its id is in

@@ -191,11 +191,13 @@ struct Start {
     return b;
 }
 
-/// A BoxRay as the 8 boxes of a node meet it.
-struct BoxLanes {
-    F32 inverseX, inverseY, inverseZ, enterX, enterY, enterZ, leaveX, leaveY, leaveZ;
+/// A BoxRay as the 8 boxes of a node meet it. Lanes: F32, or Fused where the products with planes have to be
+/// contracted at every SIMD level.
+template <class Lanes> struct BoxLanesOf {
+    Lanes inverseX, inverseY, inverseZ, enterX, enterY, enterZ, leaveX, leaveY, leaveZ;
     std::uintptr_t nearX, nearY, nearZ; // addresses of rows of the first Node::planes
 };
+using BoxLanes = BoxLanesOf<F32>;
 
 constexpr std::uintptr_t kRow = kLanes * sizeof(float);
 
@@ -204,24 +206,18 @@ inline std::uintptr_t nearRow(const TreeView& tree, unsigned mirror, unsigned ax
     return reinterpret_cast<std::uintptr_t>(tree.nodes) + kRow * (2 * axis + (mirror >> axis & 1));
 }
 
-inline BoxLanes lanesOf(const TreeView& tree, const BoxRay& b) {
-    return {all<0>(b.inverse),
-            all<1>(b.inverse),
-            all<2>(b.inverse),
-            all<0>(b.enter),
-            all<1>(b.enter),
-            all<2>(b.enter),
-            all<0>(b.leave),
-            all<1>(b.leave),
-            all<2>(b.leave),
-            nearRow(tree, b.mirror, 0),
-            nearRow(tree, b.mirror, 1),
-            nearRow(tree, b.mirror, 2)};
+template <class Lanes = F32>
+[[gnu::always_inline]] inline BoxLanesOf<Lanes> lanesOf(const TreeView& tree, const BoxRay& b) {
+    return {Lanes{all<0>(b.inverse)},   Lanes{all<1>(b.inverse)},   Lanes{all<2>(b.inverse)},
+            Lanes{all<0>(b.enter)},     Lanes{all<1>(b.enter)},     Lanes{all<2>(b.enter)},
+            Lanes{all<0>(b.leave)},     Lanes{all<1>(b.leave)},     Lanes{all<2>(b.leave)},
+            nearRow(tree, b.mirror, 0), nearRow(tree, b.mirror, 1), nearRow(tree, b.mirror, 2)};
 }
 
 /// The children of a node whose boxes the ray meets in [0, limit].
-[[gnu::always_inline]] inline unsigned meets(std::uint32_t node, const BoxLanes& ray, F32 limit,
-                                             F32& enter) {
+template <class Lanes>
+[[gnu::always_inline]] inline unsigned meets(std::uint32_t node, const BoxLanesOf<Lanes>& ray,
+                                             F32 limit, F32& enter) {
     const auto row = [&](std::uintptr_t ofFirst) {
         return load(reinterpret_cast<const float*>(ofFirst + std::uintptr_t{node} * sizeof(Node)));
     };
@@ -234,6 +230,14 @@ inline BoxLanes lanesOf(const TreeView& tree, const BoxRay& b) {
     // `enter` is not negative. Where the other is, its bits still are the smaller integer.
     enter = largerBits(largerBits(nx, ny), largerBits(nz, all(0.0f)));
     return lessEqualBits(enter, smallerBits(smallerBits(fx, fy), smallerBits(fz, limit)));
+}
+
+constexpr std::uint8_t kNextAxis[3] = {1, 2, 0}, kAxisAfter[3] = {2, 0, 1};
+
+/// As geometry::frameOf chooses it, without a branch.
+[[gnu::always_inline]] inline int largestAxis(Quad sizes) {
+    static constexpr std::uint8_t kAxis[8] = {2, 2, 2, 0, 1, 2, 1, 0};
+    return kAxis[orderOfSizes(sizes)];
 }
 
 /// geometry::RayFrame of this ray.
@@ -251,12 +255,9 @@ struct Frame {
     const Quad direction = loadQuad(d);
     store(f.origin, loadQuad(o));
     store(f.direction, direction);
-    // The same axis as geometry::frameOf, without a branch.
-    static constexpr std::uint8_t kAxis[8] = {2, 2, 2, 0, 1, 2, 1, 0};
-    static constexpr std::uint8_t kNext[3] = {1, 2, 0}, kAfter[3] = {2, 0, 1};
-    f.kz = kAxis[orderOfSizes(magnitude(direction))];
-    f.kx = kNext[f.kz];
-    f.ky = kAfter[f.kz];
+    f.kz = largestAxis(magnitude(direction));
+    f.kx = kNextAxis[f.kz];
+    f.ky = kAxisAfter[f.kz];
     f.ox = o[f.kx];
     f.oy = o[f.ky];
     f.oz = o[f.kz];
@@ -684,11 +685,11 @@ inline void fetchSome(const TreeView& tree, std::uint32_t reference) {
 }
 
 /// Goes on with `best` below one node or leaf.
-template <bool kCount>
+template <bool kCount, class Lanes, class Limits, class Frame, class Best>
 [[gnu::always_inline]] inline void
-closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanes& lanes,
-            const Order& order, const Limits& limits, const Frame& f, std::uint32_t exclude,
-            Best& best, Visits* visits) {
+closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray,
+            const BoxLanesOf<Lanes>& lanes, const Order& order, const Limits& limits,
+            const Frame& f, std::uint32_t exclude, Best& best, Visits* visits) {
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
     std::size_t top = 0;
@@ -828,10 +829,10 @@ inline double below(double x) {
 }
 
 /// Is there a hit up to `last` below one node or leaf?
-template <bool kCount>
+template <bool kCount, class Lanes, class Frame, class Real>
 [[gnu::always_inline]] inline bool
-anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanes& lanes,
-        float boxLimit, const Frame& f, std::uint32_t exclude, double last, Visits* visits) {
+anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanesOf<Lanes>& lanes,
+        float boxLimit, const Frame& f, std::uint32_t exclude, Real last, Visits* visits) {
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
@@ -940,17 +941,43 @@ inline bool crossRecord(const TreeView& tree, const LeafRecord& leaf, const Fram
     return true;
 }
 
-/// False: the ray ends below one node or leaf.
+/// False: the ray ends in the leaf.
 template <bool kCount>
-[[gnu::always_inline]] inline bool
-crossFrom(const TreeView& tree, std::uint32_t current, const BoxLanes& lanes, float boxLimit,
-          const Frame& f, std::uint32_t exclude, double last, const Crosser& to, Visits* visits) {
+[[gnu::always_inline]] inline bool crossInLeaf(const TreeView& tree, std::uint32_t reference,
+                                               const Frame& f, std::uint32_t exclude, double last,
+                                               const Crosser& to, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
+        return crossShared(tree, tree.shared[index], f, exclude, last, to);
+    case kNarrowSharedLeaf:
+        if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+        return crossShared(tree, tree.narrowShared[index], f, exclude, last, to);
+    case kNarrowTriangleLeaf:
+        return crossTriangles<kCount>(tree.narrowTriangles[index], f, exclude, last, to, visits);
+    case kTriangleLeaf:
+        return crossTriangles<kCount>(tree.triangles[index], f, exclude, last, to, visits);
+    case kSphereLeaf:
+        return crossSpheres<kCount>(tree.spheres[index], f, last, to, visits);
+    case kParallelogramLeaf:
+        return crossParallelograms<kCount>(tree.parallelograms[index], f, exclude, last, to,
+                                           visits);
+    default:
+        return crossRecord<kCount>(tree, tree.records[index], f, exclude, last, to, visits);
+    }
+}
+
+/// False: the ray ends below one node or leaf.
+template <bool kCount, class Lanes, class Frame, class Real>
+[[gnu::always_inline]] inline bool crossFrom(const TreeView& tree, std::uint32_t current,
+                                             const BoxLanesOf<Lanes>& lanes, float boxLimit,
+                                             const Frame& f, std::uint32_t exclude, Real last,
+                                             const Crosser& to, Visits* visits) {
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
     for (;;) {
-        const std::uint32_t index = current & kLeafIndex;
-        bool goOn = true;
         if (!(current & kLeaf)) {
             const Node& node = tree.nodes[current];
             if (kCount) ++visits->nodes;
@@ -960,35 +987,9 @@ crossFrom(const TreeView& tree, std::uint32_t current, const BoxLanes& lanes, fl
                 current = pushAny(node, mask, references, top);
                 continue;
             }
-        } else {
-            switch (current >> kLeafKindShift & 7) {
-            case kSharedLeaf:
-                if (kCount) visits->triangles += trianglesOf(tree.shared[index]);
-                goOn = crossShared(tree, tree.shared[index], f, exclude, last, to);
-                break;
-            case kNarrowSharedLeaf:
-                if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
-                goOn = crossShared(tree, tree.narrowShared[index], f, exclude, last, to);
-                break;
-            case kNarrowTriangleLeaf:
-                goOn = crossTriangles<kCount>(tree.narrowTriangles[index], f, exclude, last, to,
-                                              visits);
-                break;
-            case kTriangleLeaf:
-                goOn = crossTriangles<kCount>(tree.triangles[index], f, exclude, last, to, visits);
-                break;
-            case kSphereLeaf:
-                goOn = crossSpheres<kCount>(tree.spheres[index], f, last, to, visits);
-                break;
-            case kParallelogramLeaf:
-                goOn = crossParallelograms<kCount>(tree.parallelograms[index], f, exclude, last, to,
-                                                   visits);
-                break;
-            default:
-                goOn = crossRecord<kCount>(tree, tree.records[index], f, exclude, last, to, visits);
-            }
+        } else if (!crossInLeaf<kCount>(tree, current, f, exclude, last, to, visits)) {
+            return false;
         }
-        if (!goOn) return false;
         if (top == 0) return true;
         current = references[--top];
     }

@@ -22,8 +22,12 @@ namespace {
 #include "interleave.inl"
 
 #include "queries.inl"
+
+#include "f32.inl"
 } // namespace
 
 const Kernel kernel = {"baseline", closest, occluded, crossings, closestBatch, occludedBatch, scan};
+const Kernel kernelF32 = {"baseline",        f32::closest,       f32::occluded, f32::crossings,
+                          f32::closestBatch, f32::occludedBatch, nullptr};
 
 } // namespace rt::octree::baseline

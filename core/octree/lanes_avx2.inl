@@ -227,6 +227,35 @@ inline Wide narrow(F64 low, F64 high) {
 #undef RT_WIDE_BINARY
 #undef RT_WIDE_COMPARE
 
+// For Precision::f32.
+
+inline F32 operator+(F32 x, F32 y) { return {_mm256_add_ps(x.v, y.v)}; }
+inline F32 operator/(F32 x, F32 y) { return {_mm256_div_ps(x.v, y.v)}; }
+inline F32 squareRoot(F32 x) { return {_mm256_sqrt_ps(x.v)}; }
+inline unsigned bitsLess(F32 x, F32 y) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(x.v, y.v, _CMP_LT_OQ)));
+}
+inline void store(float* p, F32 x) { _mm256_store_ps(p, x.v); }
+inline Wide operator/(Wide x, Wide y) { return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)}; }
+using Fused = F32; // productMinus() is contracted anyway
+
+/// Which of 16 lanes.
+struct Indices {
+    __m256i a, b;
+};
+inline __m256i eightIndices(const std::uint8_t* p) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+}
+inline Indices indices(const std::uint8_t* p) { return {eightIndices(p), eightIndices(p + 8)}; }
+inline __m256 eightPicked(__m256 low, __m256 high, __m256i i) {
+    // Bit 3 of the index, moved to the sign, chooses the half.
+    return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, i), _mm256_permutevar8x32_ps(high, i),
+                            _mm256_castsi256_ps(_mm256_slli_epi32(i, 28)));
+}
+inline Wide picked(Wide x, Indices i) {
+    return {eightPicked(x.a, x.b, i.a), eightPicked(x.a, x.b, i.b)};
+}
+
 /// x, y, z and a fourth.
 struct Quad {
     __m256d v;
@@ -345,12 +374,7 @@ template <class Block>
     unsigned in = 0;
     for (int half = 0; half < 2; ++half) {
         const auto pick = [&](int corner, __m256 low, __m256 high) {
-            const __m256i i = _mm256_cvtepu8_epi32(
-                _mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.index[corner] + 8 * half)));
-            // Bit 3 of the index, moved to the sign, chooses the half.
-            return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, i),
-                                    _mm256_permutevar8x32_ps(high, i),
-                                    _mm256_castsi256_ps(_mm256_slli_epi32(i, 28)));
+            return eightPicked(low, high, eightIndices(block.index[corner] + 8 * half));
         };
         const __m256 ax = pick(0, x0, x1), ay = pick(0, y0, y1), bx = pick(1, x0, x1),
                      by = pick(1, y0, y1), cx = pick(2, x0, x1), cy = pick(2, y0, y1);

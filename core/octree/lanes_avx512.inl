@@ -148,6 +148,25 @@ inline Wide narrow(F64 low, F64 high) {
                                _mm512_cvtpd_ps(high.v), 1)};
 }
 
+// For Precision::f32.
+
+inline F32 operator+(F32 a, F32 b) { return {_mm256_add_ps(a.v, b.v)}; }
+inline F32 operator/(F32 a, F32 b) { return {_mm256_div_ps(a.v, b.v)}; }
+inline F32 squareRoot(F32 a) { return {_mm256_sqrt_ps(a.v)}; }
+inline unsigned bitsLess(F32 a, F32 b) { return _mm256_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
+inline void store(float* p, F32 a) { _mm256_store_ps(p, a.v); }
+inline Wide operator/(Wide a, Wide b) { return {_mm512_div_ps(a.v, b.v)}; }
+using Fused = F32; // productMinus() is contracted anyway
+
+/// Which of 16 lanes.
+struct Indices {
+    __m512i v;
+};
+inline Indices indices(const std::uint8_t* p) {
+    return {_mm512_cvtepu8_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(p)))};
+}
+inline Wide picked(Wide a, Indices i) { return {_mm512_permutexvar_ps(i.v, a.v)}; }
+
 /// x, y, z and a fourth.
 struct Quad {
     __m256d v;

@@ -231,6 +231,62 @@ inline Wide narrow(F64 low, F64 high) {
 #undef RT_WIDE_BINARY
 #undef RT_WIDE_COMPARE
 
+// For Precision::f32.
+
+inline F32 operator+(F32 x, F32 y) { return {_mm_add_ps(x.a, y.a), _mm_add_ps(x.b, y.b)}; }
+inline F32 operator/(F32 x, F32 y) { return {_mm_div_ps(x.a, y.a), _mm_div_ps(x.b, y.b)}; }
+inline F32 squareRoot(F32 x) { return {_mm_sqrt_ps(x.a), _mm_sqrt_ps(x.b)}; }
+inline unsigned bitsLess(F32 x, F32 y) {
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(x.a, y.a)) |
+                                 _mm_movemask_ps(_mm_cmplt_ps(x.b, y.b)) << 4);
+}
+inline void store(float* p, F32 x) {
+    _mm_store_ps(p, x.a);
+    _mm_store_ps(p + 4, x.b);
+}
+inline Wide operator/(Wide x, Wide y) {
+    return {_mm_div_ps(x.a, y.a), _mm_div_ps(x.b, y.b), _mm_div_ps(x.c, y.c), _mm_div_ps(x.d, y.d)};
+}
+
+/// Lanes whose productMinus() is contracted.
+struct Fused : F32 {};
+
+/// x·y − z rounded once. The product is exact in f64; the difference is rounded to odd, so that rounding it again
+/// to f32 changes nothing [Boldo, Melquiond 2008].
+inline __m128 fused(__m128d x, __m128d y, __m128d z) {
+    const __m128d p = _mm_mul_pd(x, y), s = _mm_sub_pd(p, z);
+    const __m128d back = _mm_sub_pd(s, p); // [Knuth 1997, 4.2.2]
+    const __m128d error = _mm_sub_pd(_mm_sub_pd(p, _mm_sub_pd(s, back)), _mm_add_pd(z, back));
+    const __m128i raw = _mm_castpd_si128(s), one = _mm_set1_epi64x(1);
+    const __m128i isEven = _mm_sub_epi64(_mm_and_si128(raw, one), one);
+    const __m128i signs = _mm_castpd_si128(_mm_xor_pd(s, error));
+    const __m128i outward = _mm_or_si128( // 1, or −1 where the error points to 0
+        _mm_shuffle_epi32(_mm_srai_epi32(signs, 31), 0xF5), one);
+    const __m128i isInexact = _mm_castpd_si128(notEqualOrdered(error, _mm_setzero_pd()));
+    return _mm_cvtpd_ps(_mm_castsi128_pd(
+        _mm_add_epi64(raw, _mm_and_si128(outward, _mm_and_si128(isEven, isInexact)))));
+}
+inline __m128 fused(__m128 x, __m128 y, __m128 z) {
+    const auto high = [](__m128 v) { return _mm_cvtps_pd(_mm_movehl_ps(v, v)); };
+    return _mm_movelh_ps(fused(_mm_cvtps_pd(x), _mm_cvtps_pd(y), _mm_cvtps_pd(z)),
+                         fused(high(x), high(y), high(z)));
+}
+inline F32 productMinus(F32 x, Fused y, Fused z) {
+    return {fused(x.a, y.a, z.a), fused(x.b, y.b, z.b)};
+}
+
+/// Which of 16 lanes.
+struct Indices {
+    const std::uint8_t* of;
+};
+inline Indices indices(const std::uint8_t* p) { return {p}; }
+inline Wide picked(Wide x, Indices i) {
+    alignas(16) float from[kSharedLanes], to[kSharedLanes];
+    store(from, x);
+    for (int k = 0; k < kSharedLanes; ++k) to[k] = from[i.of[k]];
+    return loadWide(to);
+}
+
 /// x, y, z and a fourth.
 struct Quad {
     __m128d a, b;

@@ -11,6 +11,9 @@
 // the same with corners in f32, for leaves whose corners f32 holds exactly. Kernels widen them first, so
 // answers are the same bits.
 // Sphere block, 320 bytes; parallelogram block, 832 bytes: likewise.
+// In a tree of Precision::f32 leaves hold narrow shared blocks, with corners in octree space, and narrow
+// triangle blocks for all else: of triangles and parallelograms a corner and the edges from it, of spheres
+// centre and radius in the first rows.
 // Unused lanes hold NaN, which no test accepts; unused children hold a box that no ray meets.
 //
 // Node planes are in octree space: (world − centre) · scale, in [−1, 1], rounded outward; scale is a
@@ -142,7 +145,7 @@ struct TreeView {
     };
     Place places[16]; // where a reference leads, by its upper four bits; for prefetching
     double center[4]; // [3]: 0
-    double scale;
+    double scale, inverseScale;
     bool hasTriangles, hasSpheres, hasUnbounded;
     bool isLarge;           // more than the caches hold
     std::uint32_t hotNodes; // nodes before this one are in use all the time

@@ -3,9 +3,11 @@
 #include <core/geometry/intersect.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace rt::octree {
 namespace {
@@ -66,7 +68,8 @@ Extent LeafContents::extent() const {
 
 /// Does f32 hold all corners of these triangles exactly?
 bool LeafWriter::isNarrow(const Reference* first, std::uint32_t count) const {
-    if (storage_ == Storage::f64) return false;
+    if (isF32()) return true;
+    if (format_.storage == Storage::f64) return false;
     const auto& triangles = primitives_.triangles;
     for (std::uint32_t i = 0; i < count; ++i)
         for (const std::uint32_t corner : triangles.indices[indexOf(first[i].id)])
@@ -99,7 +102,14 @@ Extent LeafWriter::measure(const Reference* first, std::uint32_t count, bool sha
         scratch.fill(first, count, primitives_);
         e = scratch.extent();
     }
-    return e;
+    return inFormat(e);
+}
+
+Extent LeafWriter::inFormat(Extent extent) const {
+    if (isF32())
+        for (const Part part : {kTriangles, kSpheres, kParallelograms})
+            extent.of[kNarrowTriangles] += std::exchange(extent.of[part], 0);
+    return extent;
 }
 
 std::uint32_t LeafWriter::write(Tree& tree, Places& places, const Reference* first,
@@ -122,6 +132,14 @@ std::uint32_t LeafWriter::write(Tree& tree, Places& places, const Reference* fir
         for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
         std::sort(ids, ids + count);
         const auto kind = static_cast<Kind>(first->kind);
+        if (isF32()) {
+            const std::uint32_t at = places.take(kNarrowTriangles);
+            fillF32(tree.narrowTriangles[at], kind, ids, count);
+            return leafReference(kind == Kind::triangle ? kNarrowTriangleLeaf
+                                 : kind == Kind::sphere ? kSphereLeaf
+                                                        : kParallelogramLeaf,
+                                 at);
+        }
         if (kind == Kind::triangle && isNarrow(first, count)) {
             const std::uint32_t at = places.take(kNarrowTriangles);
             fillTriangles(tree.narrowTriangles[at], ids, count);
@@ -150,27 +168,34 @@ std::uint32_t LeafWriter::write(Tree& tree, Places& places, const Reference* fir
 LeafRecord LeafWriter::writeRecord(Tree& tree, Places& places, const LeafContents& contents) const {
     const Extent extent = contents.extent();
     LeafRecord record{};
-    const auto eachBlock = [](const std::vector<std::uint32_t>& ids, const auto& fill) {
-        for (std::size_t i = 0; i < ids.size(); i += kLanes)
-            fill(static_cast<std::uint32_t>(i / kLanes), ids.data() + i,
-                 static_cast<std::uint32_t>(std::min<std::size_t>(kLanes, ids.size() - i)));
-    };
     using Ids = const std::uint32_t*;
-    record.triangleBlocks = extent.of[kTriangles];
-    record.triangles = places.take(kTriangles, record.triangleBlocks);
-    eachBlock(contents.ids[0], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
-        fillTriangles(tree.triangles[record.triangles + block], ids, n);
-    });
-    record.sphereBlocks = extent.of[kSpheres];
-    record.spheres = places.take(kSpheres, record.sphereBlocks);
-    eachBlock(contents.ids[1], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
-        fillSpheres(tree.spheres[record.spheres + block], ids, n);
-    });
-    record.parallelogramBlocks = extent.of[kParallelograms];
-    record.parallelograms = places.take(kParallelograms, record.parallelogramBlocks);
-    eachBlock(contents.ids[2], [&](std::uint32_t block, Ids ids, std::uint32_t n) {
-        fillParallelograms(tree.parallelograms[record.parallelograms + block], ids, n);
-    });
+    const auto blocks = [&](Kind kind, Part part, std::uint32_t& first, std::uint32_t& number,
+                            const auto& fill) {
+        const std::vector<std::uint32_t>& ids = contents.ids[static_cast<std::size_t>(kind)];
+        number = blocksFor(ids.size());
+        first = places.take(isF32() ? kNarrowTriangles : part, number);
+        for (std::uint32_t i = 0; i < number; ++i) {
+            const Ids some = ids.data() + kLanes * i;
+            const auto count = std::min<std::uint32_t>(
+                kLanes, static_cast<std::uint32_t>(ids.size()) - kLanes * i);
+            if (isF32())
+                fillF32(tree.narrowTriangles[first + i], kind, some, count);
+            else
+                fill(first + i, some, count);
+        }
+    };
+    blocks(Kind::triangle, kTriangles, record.triangles, record.triangleBlocks,
+           [&](std::uint32_t at, Ids ids, std::uint32_t count) {
+               fillTriangles(tree.triangles[at], ids, count);
+           });
+    blocks(Kind::sphere, kSpheres, record.spheres, record.sphereBlocks,
+           [&](std::uint32_t at, Ids ids, std::uint32_t count) {
+               fillSpheres(tree.spheres[at], ids, count);
+           });
+    blocks(Kind::parallelogram, kParallelograms, record.parallelograms, record.parallelogramBlocks,
+           [&](std::uint32_t at, Ids ids, std::uint32_t count) {
+               fillParallelograms(tree.parallelograms[at], ids, count);
+           });
     record.runCount = extent.of[kRuns];
     record.runs = places.take(kRuns, record.runCount);
     std::uint32_t run = record.runs, at = places.take(kCustoms, extent.of[kCustoms]);
@@ -205,7 +230,8 @@ void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLan
     }
     for (int i = 0; i < kSharedLanes; ++i) {
         // Unused corners repeat the first: lanes must not meet NaN where none is needed.
-        const Vec3& p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
+        Vec3 p = primitives_.triangles.positions[corners.at(i < corners.size() ? i : 0)];
+        if (isF32()) p = inOctreeSpace(p);
         for (int a = 0; a < 3; ++a) block.corner[a][i] = static_cast<Float>(p[a]);
     }
 }
@@ -261,6 +287,33 @@ void LeafWriter::fillParallelograms(ParallelogramBlock& block, const std::uint32
     }
 }
 
+void LeafWriter::fillF32(NarrowTriangleBlock& block, Kind kind, const std::uint32_t* ids,
+                         std::uint32_t count) const {
+    for (auto& corner : block.corner)
+        for (auto& row : corner) std::ranges::fill(row, static_cast<float>(kUnused));
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+        block.id[lane] = lane < count ? ids[lane] : kEmptyChild;
+        if (lane >= count) continue;
+        const std::uint32_t index = indexOf(ids[lane]);
+        std::array<Vec3, 3> rows{};
+        if (kind == Kind::triangle) {
+            const auto& positions = primitives_.triangles.positions;
+            const auto& corners = primitives_.triangles.indices[index];
+            const Vec3& origin = positions[corners[0]];
+            rows = {inOctreeSpace(origin), (positions[corners[1]] - origin) * format_.scale,
+                    (positions[corners[2]] - origin) * format_.scale};
+        } else if (kind == Kind::sphere) {
+            const geometry::Sphere& sphere = primitives_.spheres[index];
+            rows = {inOctreeSpace(sphere.center), Vec3(sphere.radius * format_.scale), Vec3(0.0)};
+        } else {
+            const geometry::Parallelogram& g = primitives_.parallelograms[index];
+            rows = {inOctreeSpace(g.origin), g.edgeU * format_.scale, g.edgeV * format_.scale};
+        }
+        for (std::size_t i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) block.corner[i][a][lane] = static_cast<float>(rows[i][a]);
+    }
+}
+
 namespace {
 
 void addIds(const std::uint32_t* id, int lanes, std::vector<std::uint32_t>& ids) {
@@ -277,6 +330,9 @@ std::uint32_t countIds(const std::uint32_t (&id)[kLanes]) {
 
 void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint32_t>& ids) {
     const std::uint32_t index = reference & kLeafIndex;
+    const auto addBlock = [&](const auto& blocks, std::uint32_t at) {
+        addIds(tree.isF32 ? tree.narrowTriangles[at].id : blocks[at].id, kLanes, ids);
+    };
     switch (kindOfLeaf(reference)) {
     case kSharedLeaf:
         return addIds(tree.shared[index].id, kSharedLanes, ids);
@@ -289,17 +345,17 @@ void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint3
     case kNarrowTriangleLeaf:
         return addIds(tree.narrowTriangles[index].id, kLanes, ids);
     case kSphereLeaf:
-        return addIds(tree.spheres[index].id, kLanes, ids);
+        return addBlock(tree.spheres, index);
     case kParallelogramLeaf:
-        return addIds(tree.parallelograms[index].id, kLanes, ids);
+        return addBlock(tree.parallelograms, index);
     default: {
         const LeafRecord& leaf = tree.records[index];
         for (std::uint32_t i = 0; i < leaf.triangleBlocks; ++i)
-            addIds(tree.triangles[leaf.triangles + i].id, kLanes, ids);
+            addBlock(tree.triangles, leaf.triangles + i);
         for (std::uint32_t i = 0; i < leaf.sphereBlocks; ++i)
-            addIds(tree.spheres[leaf.spheres + i].id, kLanes, ids);
+            addBlock(tree.spheres, leaf.spheres + i);
         for (std::uint32_t i = 0; i < leaf.parallelogramBlocks; ++i)
-            addIds(tree.parallelograms[leaf.parallelograms + i].id, kLanes, ids);
+            addBlock(tree.parallelograms, leaf.parallelograms + i);
         for (std::uint32_t i = 0; i < leaf.runCount; ++i) {
             const CustomRun& run = tree.runs[leaf.runs + i];
             ids.insert(ids.end(), tree.customIds.data() + run.first,

@@ -8,6 +8,8 @@
 
 namespace rt::octree {
 
+using numeric::Vec3;
+
 /// A leaf's primitives, by kind and within a kind by id; customs by shape.
 struct LeafContents {
     std::vector<std::uint32_t> ids[3];
@@ -21,20 +23,30 @@ struct LeafContents {
     Extent extent() const;
 };
 
+struct LeafFormat {
+    Storage storage = Storage::narrowest;
+    Precision precision = Precision::exact;
+    double center[3] = {0, 0, 0}; // of octree space, where leaves of Precision::f32 are
+    double scale = 1;
+};
+
 class LeafWriter {
 public:
-    LeafWriter(const geometry::Primitives& primitives, Storage storage)
-        : primitives_(primitives), storage_(storage) {}
+    LeafWriter(const geometry::Primitives& primitives, const LeafFormat& format)
+        : primitives_(primitives), format_(format) {}
 
     /// What write() takes. `shares`: sharesBlock() of these.
     Extent measure(const Reference* first, std::uint32_t count, bool shares,
                    LeafContents& scratch) const;
+    /// Likewise, of a record.
+    Extent measure(const LeafContents& contents) const { return inFormat(contents.extent()); }
     /// Stores a leaf; returns the reference to it.
     std::uint32_t write(Tree& tree, Places& places, const Reference* first, std::uint32_t count,
                         bool shares, LeafContents& scratch) const;
     LeafRecord writeRecord(Tree& tree, Places& places, const LeafContents& contents) const;
 
 private:
+    Extent inFormat(Extent extent) const;
     bool isNarrow(const Reference* first, std::uint32_t count) const;
     template <class Block>
     void fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes, const Reference* first,
@@ -44,10 +56,18 @@ private:
     void fillSpheres(SphereBlock& block, const std::uint32_t* ids, std::uint32_t count) const;
     void fillParallelograms(ParallelogramBlock& block, const std::uint32_t* ids,
                             std::uint32_t count) const;
+    /// Of Precision::f32; ids of one kind.
+    void fillF32(NarrowTriangleBlock& block, geometry::Kind kind, const std::uint32_t* ids,
+                 std::uint32_t count) const;
+    bool isF32() const { return format_.precision == Precision::f32; }
+    Vec3 inOctreeSpace(const Vec3& p) const {
+        const auto& c = format_.center;
+        return (p - Vec3(c[0], c[1], c[2])) * format_.scale;
+    }
     std::uint32_t indexOf(std::uint32_t id) const { return indexInKind(primitives_, id); }
 
     const geometry::Primitives& primitives_;
-    const Storage storage_;
+    const LeafFormat format_;
 };
 
 /// Appends the ids of a leaf's primitives.

@@ -24,14 +24,15 @@ namespace {
 using geometry::Kind;
 using geometry::PrimitiveId;
 
-const Kernel& kernelOf(Simd simd) {
+const Kernel& kernelOf(Simd simd, Precision precision = Precision::exact) {
+    const bool exact = precision == Precision::exact;
     switch (simd) {
     case Simd::avx512:
-        return avx512::kernel;
+        return exact ? avx512::kernel : avx512::kernelF32;
     case Simd::avx2:
-        return avx2::kernel;
+        return exact ? avx2::kernel : avx2::kernelF32;
     default:
-        return baseline::kernel;
+        return exact ? baseline::kernel : baseline::kernelF32;
     }
 }
 
@@ -206,6 +207,9 @@ void Octree::Impl::bind(const Primitives& to) {
     view.places[8 + kNarrowTriangleLeaf] = place(tree.narrowTriangles);
     view.places[8 + kSphereLeaf] = place(tree.spheres);
     view.places[8 + kParallelogramLeaf] = place(tree.parallelograms);
+    if (tree.isF32)
+        view.places[8 + kSphereLeaf] = view.places[8 + kParallelogramLeaf] =
+            place(tree.narrowTriangles);
     view.places[8 + kMixedLeaf] = place(tree.records);
     view.unbounded = tree.unbounded;
     view.hotNodes = tree.hotNodes;
@@ -226,15 +230,22 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     Impl& impl = *octree.impl_;
     impl.options = options;
     impl.segments = primitives.segments;
-    impl.kernel = &kernelOf(options.simd == Simd::best ? chosenLevel() : options.simd);
+    impl.options.movable = options.movable && options.precision == Precision::exact;
+    impl.kernel =
+        &kernelOf(options.simd == Simd::best ? chosenLevel() : options.simd, options.precision);
     TreeView& view = impl.view;
     const auto run = [&] {
-        References references = referencesOf(primitives, options.movable);
+        const bool movable = impl.options.movable;
+        References references = referencesOf(primitives, movable);
         for (int i = 0; i < 3; ++i) view.center[i] = references.center[i];
         view.scale = references.scale;
+        view.inverseScale = 1 / references.scale;
         const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
                           references.scale, options);
-        impl.tree = emit(cells, references.unbounded, primitives, options.storage, options.movable);
+        LeafFormat format{options.storage, options.precision};
+        std::ranges::copy(references.center, format.center);
+        format.scale = references.scale;
+        impl.tree = emit(cells, references.unbounded, primitives, format, movable);
     };
     // Starting threads costs more than a small tree.
     constexpr std::uint32_t kWorthThreads = 4096;
@@ -357,6 +368,7 @@ Hit Octree::closestWithoutTree(const Ray& ray) const {
     Hit hit;
     if (!impl_) return hit;
     const Tree& tree = impl_->tree;
+    if (tree.isF32) throw std::logic_error("leaves in f32 are not tested without the tree");
     const auto count = [](const auto& array) { return static_cast<std::uint32_t>(array.size()); };
     impl_->kernel->scan(impl_->view,
                         {count(tree.shared), count(tree.triangles), count(tree.narrowShared),

@@ -24,6 +24,16 @@ enum class Storage : std::uint8_t {
     f64
 };
 
+/// How rays meet primitives.
+enum class Precision : std::uint8_t {
+    exact, // as closestBruteForce() does, bit for bit
+    /// Approximately, for comparison: planes, edges, t, u and v are f32, relative to the size of the whole. Rays may slip
+    /// through edges; hits nearer than 2^-18 of half that size are missed, and all by rays from farther than 2^36
+    /// times as far; of hits at nearly one distance any may win, and a batch may choose another than a ray alone.
+    /// Shapes of plugins answer as ever. All SIMD levels give the same bits. Updates build anew.
+    f32
+};
+
 /// What measurement chose: octree_bench --sweep.
 struct Tuning {
     int bins = 16;              // places for a plane along an axis, at most 32
@@ -35,6 +45,7 @@ struct BuildOptions {
     std::uint32_t maxObjects = 16; // largest number of primitives in a cell that is not cut further
     double minSize = 0; // cells with all sides <= this are not cut, world units; 0: no limit
     Storage storage = Storage::narrowest;
+    Precision precision = Precision::exact;
     int threads = 0;      // 0: all that the process may use
     bool movable = false; // keeps what update() needs, 4 bytes a primitive; else it builds anew
     Tuning tuning = {};
@@ -100,7 +111,7 @@ private:
 };
 
 /// Immutable after build but for update(); queries are const and thread-safe. Results depend on the primitives alone: smallest t,
-/// equal t by lowest id, whatever the tree looks like.
+/// equal t by lowest id, whatever the tree looks like; but see Precision::f32.
 class Octree {
 public:
     Octree();
@@ -146,7 +157,8 @@ public:
     void occluded(std::span<const Ray> rays, std::span<std::uint8_t> answers, Coherence coherence,
                   Visits* visits = nullptr) const;
 
-    /// As closest, but every block of every leaf is tested, without the nodes: for tests.
+    /// As closest, but every block of every leaf is tested, without the nodes: for tests. Not of Precision::f32:
+    /// std::logic_error.
     Hit closestWithoutTree(const Ray& ray) const;
 
     Statistics statistics() const;

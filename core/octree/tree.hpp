@@ -115,6 +115,7 @@ struct Tree {
     Array<LeafRecord> records;
     Array<CustomRun> runs;
     Array<std::uint32_t> customPrimitives, customIds;
+    bool isF32 = false; // Precision::f32: all blocks but shared ones are narrow triangle blocks
     LeafRecord unbounded{};
     std::uint32_t hotNodes = 0; // the first ones are the largest
     /// By id: kLanes · node + slot of the leaf that holds it, kNoLeaf of unbounded ones. Empty in a tree

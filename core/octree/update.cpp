@@ -31,7 +31,7 @@ public:
     Updater(Tree& tree, UpdateState& state, const double center[3], double scale,
             const Primitives& primitives, const BuildOptions& options, UpdateReport& report)
         : tree_(tree), state_(state), center_(center), scale_(scale), primitives_(primitives),
-          options_(options), writer_(primitives, options.storage), places_(tree, state),
+          options_(options), writer_(primitives, {options.storage}), places_(tree, state),
           upkeep_(tree, state, center, scale, primitives, options, places_, report),
           report_(report), isMoved_((primitives.count() + 63) / 64) {}
 

@@ -123,8 +123,8 @@ bool Upkeep::rebuild(std::uint32_t index) {
         if (!referenceOf(primitives_, members_[i], center_, scale_, references[i])) return false;
     }
     const Cells cells(primitives_, std::move(references), count, scale_, options_);
-    const std::uint32_t child =
-        emitSubtree(cells, primitives_, options_.storage, links.parent, links.slot, tree_, places_);
+    const std::uint32_t child = emitSubtree(cells, primitives_, {options_.storage}, links.parent,
+                                            links.slot, tree_, places_);
     Node& parent = tree_.nodes[links.parent];
     parent.child[links.slot] = child;
     if (child & kLeaf) parent.links.leafSize[links.slot] = leafSizeOf(count);

@@ -49,6 +49,12 @@ struct Answers {
             }
         return n;
     }
+    std::size_t otherIds(const Answers& other, int c) const {
+        if (c == kShadow) return differing(other, c);
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < hits[c].size(); ++i) n += hits[c][i].id != other.hits[c][i].id;
+        return n;
+    }
 };
 
 void ask(const Octree& tree, const Rays& rays, RayClass c, Answers& answers) {
@@ -221,7 +227,10 @@ void measure(const Subject& subject, const Options& options) {
     const Octree narrow = Octree::build(primitives, options.build);
     const Rays rays =
         makeRays(tree, primitives, subject.eye, subject.target, subject.light, subject.fieldOfView);
-    Answers single(rays), f32(rays), bundles(rays), turns(rays);
+    octree::BuildOptions approximate = options.build;
+    approximate.precision = octree::Precision::f32;
+    const Octree fast = Octree::build(primitives, approximate);
+    Answers single(rays), f32(rays), bundles(rays), turns(rays), inF32(rays);
 
     // The stored answers of single rays, f32 storage and Embree robust are compared below.
     std::vector<Contender> contenders;
@@ -240,6 +249,8 @@ void measure(const Subject& subject, const Options& options) {
         kNarrow = contenders.size();
         add("octree f32", [&](RayClass c) { ask(narrow, rays, c, f32); });
     }
+    const std::size_t kFast = contenders.size();
+    add("octree fast", [&](RayClass c) { ask(fast, rays, c, inF32); });
     std::size_t kRobust = 0, kDefault = 0, kRobust16 = 0;
 #ifdef RT_BENCH_EMBREE
     const auto robust = embreeScene(subject, true), plain = embreeScene(subject, false);
@@ -275,8 +286,9 @@ void measure(const Subject& subject, const Options& options) {
     };
 
     const auto statistics = tree.statistics();
-    std::size_t mismatches[kClasses] = {}, otherBits[kClasses] = {};
+    std::size_t mismatches[kClasses] = {}, otherBits[kClasses] = {}, otherFast[kClasses];
     for (int c = 0; c < kClasses; ++c) {
+        otherFast[c] = single.otherIds(inF32, c);
         otherBits[c] = single.differing(bundles, c) + single.differing(turns, c) +
                        (kNarrow ? single.differing(f32, c) : 0);
 #ifdef RT_BENCH_EMBREE
@@ -306,6 +318,15 @@ void measure(const Subject& subject, const Options& options) {
         row(kClassNames[kRandom], "_in_turns", kRandom, contenders[kTurns]);
         if (kNarrow)
             for (int c = 0; c < kClasses; ++c) row(kClassNames[c], "_f32", c, contenders[kNarrow]);
+        for (int c = 0; c < kClasses; ++c) {
+            const Contender& ours = contenders[kFast];
+            std::printf(", {\"class\": \"%s_fast\", \"mrays\": %.3f", kClassNames[c],
+                        mrays(ours, c));
+            if (kRobust)
+                std::printf(", \"ratio_robust\": %.3f, \"ratio_default\": %.3f",
+                            ratio(ours, base, c), ratio(ours, contenders[kDefault], c));
+            std::printf(", \"other_ids\": %zu}", otherFast[c]);
+        }
         std::printf("], \"build_s\": %.4f, \"build2_s\": %.4f, ", build, median(ours2));
         if (kRobust) std::printf("\"ratio_build\": %.3f, ", build / median(theirs1));
         std::printf("\"bytes_per_triangle\": %.1f, \"bytes_per_triangle_f32\": %.1f}\n",
@@ -330,20 +351,23 @@ void measure(const Subject& subject, const Options& options) {
     std::printf("\n%-18s", "Mrays/s (ratio)");
     for (const char* name : kClassNames) std::printf(" %15s", name);
     std::printf("\n");
-    for (const Contender& contender : contenders) {
-        std::printf("%-18s", contender.name.c_str());
+    const auto line = [&](const char* name, const Contender& ours, const Contender& theirs) {
+        std::printf("%-18s", name);
         double product = 1;
         for (int c = 0; c < kClasses; ++c) {
-            const double r = ratio(contender, base, c);
+            const double r = ratio(ours, theirs, c);
             product *= r;
-            std::printf(" %8.2f (%4.2f)", mrays(contender, c), r);
+            std::printf(" %8.2f (%4.2f)", mrays(ours, c), r);
         }
         std::printf("   mean %.3f\n", std::pow(product, 0.25));
-    }
+    };
+    for (const Contender& contender : contenders) line(contender.name.c_str(), contender, base);
+    if (kDefault) line("fast / default", contenders[kFast], contenders[kDefault]);
     const auto counts = [](const char* name, const std::size_t* n) {
         std::printf("%-18s %15zu %15zu %15zu %15zu\n", name, n[0], n[1], n[2], n[3]);
     };
     counts("other bits", otherBits);
+    counts("other id, fast", otherFast);
     if (kRobust) counts("other id, Embree", mismatches);
     if (textbook) {
         std::size_t n[kClasses];
@@ -360,17 +384,17 @@ void measure(const Subject& subject, const Options& options) {
             tests[c] = static_cast<double>(visits.triangles + visits.spheres) / n;
             bytes[c] = bytesTouched(visits, statistics, count) / n;
         }
-        const auto line = [&](const char* name, const auto& value) {
+        const auto values = [&](const char* name, const auto& value) {
             std::printf("%-18s", name);
             for (int c = 0; c < kClasses; ++c) std::printf(" %15.2f", value(c));
             std::printf("\n");
         };
-        line("nodes/ray", [&](int c) { return nodes[c]; });
-        line("primitives/ray", [&](int c) { return tests[c]; });
-        line("bytes/ray", [&](int c) { return bytes[c]; });
-        line("ns/ray", [&](int c) { return 1e3 / mrays(contenders[kSingle], c); });
-        line("ns/ray at best: L2", [&](int c) { return bytes[c] / machine.l2Bandwidth * 1e9; });
-        line("  L3 or memory", [&](int c) { return bytes[c] / machine.memoryBandwidth * 1e9; });
+        values("nodes/ray", [&](int c) { return nodes[c]; });
+        values("primitives/ray", [&](int c) { return tests[c]; });
+        values("bytes/ray", [&](int c) { return bytes[c]; });
+        values("ns/ray", [&](int c) { return 1e3 / mrays(contenders[kSingle], c); });
+        values("ns/ray at best: L2", [&](int c) { return bytes[c] / machine.l2Bandwidth * 1e9; });
+        values("  L3 or memory", [&](int c) { return bytes[c] / machine.memoryBandwidth * 1e9; });
         std::printf("one thread reads %.1f GB/s from L2 and %.1f GB/s from memory\n",
                     machine.l2Bandwidth / 1e9, machine.memoryBandwidth / 1e9);
     }

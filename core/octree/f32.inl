@@ -1,0 +1,401 @@
+// Precision::f32: single rays against everything in f32, in octree space, where t is t · scale.
+//
+// Triangles that share corners are sheared as in kernel.inl; others and parallelograms are tested as in
+// [Möller, Trumbore 1997], spheres by the textbook's quadratic. Boxes have no slack. Only the products of the
+// boxes are contracted, and those at every SIMD level, so that all levels give the same bits.
+
+namespace f32 {
+
+// Of a direction's component, and of an origin's. So no product with a plane overflows.
+constexpr float kSmallest = static_cast<float>(numeric::powerOfTwo(-90)), kLargest = 0x1p90f,
+                kFarthest = 0x1p36f;
+/// Hits nearer than this, in octree space and along the largest component, are those of the surface that a ray
+/// starts on: f32 knows a point there to about 2^-24.
+constexpr float kStart = static_cast<float>(numeric::powerOfTwo(-18));
+
+struct Frame {
+    alignas(16) float origin[4], direction[4]; // [3]: unused
+    int kx, ky, kz;
+    float ox, oy, oz; // origin[kx] and so on
+    float shearX, shearY, shearZ;
+    float start; // hits are after this
+};
+
+/// As the other Best.
+struct Best {
+    float t, u, v;
+    const std::uint32_t* id;
+};
+
+/// t of a hit limits the boxes as it is.
+struct Limits {};
+inline float limitOf(Limits, float t) { return t; }
+
+inline float limitOf(const TreeView& tree, double t) { return static_cast<float>(t * tree.scale); }
+
+struct Boxes {
+    BoxLanesOf<Fused> lanes;
+    unsigned mirror;
+    bool misses;
+};
+
+[[gnu::always_inline]] inline Boxes start(const TreeView& tree, const Ray& ray, Frame& f) {
+    const Quad quad = withFourth(loadQuad(&ray.direction.x), 1);
+    const __m128 origin = narrow(originOf(tree, ray)).v, direction = narrow(quad).v;
+    const __m128 sign = _mm_set1_ps(-0.0f), size = _mm_andnot_ps(sign, direction);
+    const __m128 clamped =
+        _mm_or_ps(_mm_max_ps(size, _mm_set1_ps(kSmallest)), _mm_and_ps(sign, direction));
+    const __m128 inverse = _mm_div_ps(_mm_set1_ps(1), clamped);
+    const Four from{_mm_mul_ps(origin, inverse)};
+    Boxes b;
+    b.mirror = static_cast<unsigned>(_mm_movemask_ps(direction)) & 7;
+    b.misses = _mm_movemask_ps(_mm_and_ps(
+                   _mm_cmple_ps(size, _mm_set1_ps(kLargest)),
+                   _mm_cmple_ps(_mm_andnot_ps(sign, origin), _mm_set1_ps(kFarthest)))) != 15;
+    b.lanes = lanesOf<Fused>(tree, {{inverse}, from, from, b.mirror, {}, false});
+    _mm_store_ps(f.origin, origin);
+    _mm_store_ps(f.direction, clamped);
+    f.kz = largestAxis(magnitude(quad));
+    f.kx = kNextAxis[f.kz];
+    f.ky = kAxisAfter[f.kz];
+    alignas(16) float inverses[4];
+    _mm_store_ps(inverses, inverse);
+    f.ox = f.origin[f.kx];
+    f.oy = f.origin[f.ky];
+    f.oz = f.origin[f.kz];
+    f.shearZ = inverses[f.kz];
+    f.shearX = f.direction[f.kx] * f.shearZ;
+    f.shearY = f.direction[f.ky] * f.shearZ;
+    f.start = kStart * __builtin_fabsf(f.shearZ);
+    return b;
+}
+
+template <class V> inline V every(float x);
+template <> inline F32 every<F32>(float x) { return all(x); }
+template <> inline Wide every<Wide>(float x) { return allWide(x); }
+
+template <class V> struct Vector { V x, y, z; };
+
+template <class V> inline Vector<V> operator-(const Vector<V>& a, const Vector<V>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class V> inline V dot(const Vector<V>& a, const Vector<V>& b) {
+    return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+template <class V> inline Vector<V> cross(const Vector<V>& a, const Vector<V>& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Where lanes may meet.
+template <class V> struct Met { V t, u, v; };
+
+template <class V> inline unsigned between(V start, V t, V limit) {
+    return bitsLess(start, t) & bitsLess(t, limit);
+}
+
+/// ab, ac: edges from a.
+template <bool kWhole, class V>
+[[gnu::always_inline]] inline unsigned
+meetPlanar(const Vector<V>& origin, const Vector<V>& direction, const Vector<V>& a,
+           const Vector<V>& ab, const Vector<V>& ac, V start, V limit, Met<V>& met) {
+    const V zero = every<V>(0), one = every<V>(1);
+    const Vector<V> p = cross(direction, ac), s = origin - a, q = cross(s, ab);
+    const V inverse = one / dot(ab, p);
+    met.u = dot(s, p) * inverse;
+    met.v = dot(direction, q) * inverse;
+    met.t = dot(ac, q) * inverse;
+    return bitsLessEqual(zero, met.u) & bitsLessEqual(zero, met.v) &
+           (kWhole ? bitsLessEqual(met.u, one) & bitsLessEqual(met.v, one)
+                   : bitsLessEqual(met.u + met.v, one)) &
+           between(start, met.t, limit);
+}
+
+/// Both parameters; NaN where the line passes by.
+template <class V>
+[[gnu::always_inline]] inline void meetSphere(const Vector<V>& origin, const Vector<V>& direction,
+                                              const Vector<V>& center, V radius, V& t0, V& t1) {
+    const Vector<V> f = center - origin;
+    const V a = dot(direction, direction), b = dot(f, direction), c = dot(f, f) - radius * radius;
+    const V root = squareRoot(b * b - a * c);
+    t0 = (b - root) / a;
+    t1 = (b + root) / a;
+}
+
+[[gnu::always_inline]] inline unsigned meetShared(const NarrowSharedBlock& block, const Frame& f,
+                                                  float limit, Met<Wide>& met) {
+    const Wide z = loadWide(block.corner[f.kz]) - allWide(f.oz);
+    const Wide x = (loadWide(block.corner[f.kx]) - allWide(f.ox)) - allWide(f.shearX) * z;
+    const Wide y = (loadWide(block.corner[f.ky]) - allWide(f.oy)) - allWide(f.shearY) * z;
+    const Indices a = indices(block.index[0]), b = indices(block.index[1]),
+                  c = indices(block.index[2]);
+    const Wide ax = picked(x, a), ay = picked(y, a), bx = picked(x, b), by = picked(y, b),
+               cx = picked(x, c), cy = picked(y, c);
+    const Wide u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    const unsigned lanes = block.valid & ~(bitsLess(smaller(smaller(u, v), w), allWide(0)) &
+                                           bitsLess(allWide(0), larger(larger(u, v), w)));
+    if (!lanes) return 0;
+    const Wide inverse = allWide(1) / ((u + v) + w);
+    met.u = v * inverse;
+    met.v = w * inverse;
+    met.t =
+        allWide(f.shearZ) * ((u * picked(z, a) + v * picked(z, b)) + w * picked(z, c)) * inverse;
+    return lanes & between(allWide(f.start), met.t, allWide(limit));
+}
+
+inline Vector<F32> row(const NarrowTriangleBlock& block, int i) {
+    return {load(block.corner[i][0]), load(block.corner[i][1]), load(block.corner[i][2])};
+}
+inline Vector<F32> every(const float (&v)[4]) { return {all(v[0]), all(v[1]), all(v[2])}; }
+
+/// Takes the nearest.
+struct Nearest {
+    static constexpr bool kStops = false;
+    const TreeView& tree;
+    const Ray& ray;
+    std::uint32_t exclude;
+    Best& best;
+
+    float limit() const { return best.t; }
+    template <class V>
+    bool take(unsigned lanes, const Met<V>& met, const std::uint32_t* id, bool isPlanar) {
+        alignas(64) float t[kSharedLanes], u[kSharedLanes], v[kSharedLanes];
+        store(t, met.t);
+        store(u, met.u);
+        store(v, met.v);
+        bool better = false;
+        for (; lanes; lanes &= lanes - 1) {
+            const int i = __builtin_ctz(lanes);
+            if (!(t[i] < best.t)) continue;
+            if (isPlanar && exclude != 0xFFFFFFFFu && id[i] == exclude) continue;
+            best = {t[i], u[i], v[i], id + i};
+            better = true;
+        }
+        return better;
+    }
+    bool takeRun(const CustomRun& run) {
+        double t;
+        const std::uint32_t* const id = closestOfRun(tree, run, ray, best.t * tree.inverseScale, t);
+        if (!id || !(limitOf(tree, t) < best.t)) return false;
+        best = {limitOf(tree, t), 0, 0, id};
+        return true;
+    }
+};
+
+/// Stops at any.
+struct Any {
+    static constexpr bool kStops = true;
+    const TreeView& tree;
+    const Ray& ray;
+    std::uint32_t exclude;
+    float last;
+
+    float limit() const { return last; }
+    template <class V>
+    bool take(unsigned lanes, const Met<V>&, const std::uint32_t* id, bool isPlanar) {
+        if (!isPlanar || exclude == 0xFFFFFFFFu) return lanes;
+        for (; lanes; lanes &= lanes - 1)
+            if (id[__builtin_ctz(lanes)] != exclude) return true;
+        return false;
+    }
+    bool takeRun(const CustomRun& run) {
+        double t;
+        return closestOfRun(tree, run, ray, below(ray.tMax), t);
+    }
+};
+
+/// Takes all, until one is opaque.
+struct All {
+    static constexpr bool kStops = true;
+    const TreeView& tree;
+    std::uint32_t exclude;
+    float last;
+    const Crosser& to;
+
+    float limit() const { return last; }
+    template <class V>
+    bool take(unsigned lanes, const Met<V>& met, const std::uint32_t* id, bool isPlanar) {
+        alignas(64) float t[kSharedLanes];
+        store(t, met.t);
+        for (; lanes; lanes &= lanes - 1) {
+            const int i = __builtin_ctz(lanes);
+            if (isPlanar && id[i] == exclude) continue;
+            if (!to.take(t[i] * tree.inverseScale, id[i], false)) return true;
+        }
+        return false;
+    }
+    bool takeRun(const CustomRun& run) { return !to.sink.custom(to.sink, to.ray, run); }
+};
+
+template <bool kWhole, class Taker>
+[[gnu::always_inline]] inline bool inPlanar(const NarrowTriangleBlock& block, const Frame& f,
+                                            Taker& taker) {
+    Met<F32> met;
+    const unsigned lanes =
+        meetPlanar<kWhole>(every(f.origin), every(f.direction), row(block, 0), row(block, 1),
+                           row(block, 2), all(f.start), all(taker.limit()), met);
+    return lanes && taker.take(lanes, met, block.id, true);
+}
+
+template <class Taker>
+[[gnu::always_inline]] inline bool inSpheres(const NarrowTriangleBlock& block, const Frame& f,
+                                             Taker& taker) {
+    Met<F32> first, second;
+    meetSphere(every(f.origin), every(f.direction), row(block, 0), load(block.corner[1][0]),
+               first.t, second.t);
+    first.u = first.v = second.u = second.v = all(0.0f);
+    const unsigned in = between(all(f.start), first.t, all(taker.limit())),
+                   out = between(all(f.start), second.t, all(taker.limit()));
+    bool result = in && taker.take(in, first, block.id, false);
+    if (result && Taker::kStops) return true;
+    const unsigned rest = out & ~(Taker::kStops ? 0 : in); // the nearest is the first of the two
+    if (rest) result |= taker.take(rest, second, block.id, false);
+    return result;
+}
+
+template <bool kCount, class Taker>
+[[gnu::noinline]] bool inRecord(const TreeView& tree, const LeafRecord& leaf, const Frame& f,
+                                Taker& taker, Visits* visits) {
+    bool result = false;
+    const auto blocks = [&](std::uint32_t first, std::uint32_t count, std::uint64_t Visits::*seen,
+                            auto test) {
+        for (std::uint32_t i = first; i < first + count; ++i) {
+            if (Taker::kStops && result) return;
+            const NarrowTriangleBlock& block = tree.narrowTriangles[i];
+            if (kCount) visits->*seen += lanesInUse(block.id);
+            result |= test(block, f, taker);
+        }
+    };
+    blocks(leaf.triangles, leaf.triangleBlocks, &Visits::triangles, inPlanar<false, Taker>);
+    blocks(leaf.spheres, leaf.sphereBlocks, &Visits::spheres, inSpheres<Taker>);
+    blocks(leaf.parallelograms, leaf.parallelogramBlocks, &Visits::parallelograms,
+           inPlanar<true, Taker>);
+    for (std::uint32_t i = leaf.runs; i < leaf.runs + leaf.runCount; ++i) {
+        if (Taker::kStops && result) return true;
+        if (kCount) visits->customs += tree.runs[i].count;
+        result |= taker.takeRun(tree.runs[i]);
+    }
+    return result;
+}
+
+/// A call, so that the loop over nodes keeps its registers: as closestInTriangles().
+template <bool kCount, class Taker>
+[[gnu::noinline]] bool inOther(const TreeView& tree, std::uint32_t reference, const Frame& f,
+                               Taker& taker, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    switch (reference >> kLeafKindShift & 7) {
+    case kNarrowTriangleLeaf:
+        if (kCount) visits->triangles += lanesInUse(tree.narrowTriangles[index].id);
+        return inPlanar<false>(tree.narrowTriangles[index], f, taker);
+    case kSphereLeaf:
+        if (kCount) visits->spheres += lanesInUse(tree.narrowTriangles[index].id);
+        return inSpheres(tree.narrowTriangles[index], f, taker);
+    case kParallelogramLeaf:
+        if (kCount) visits->parallelograms += lanesInUse(tree.narrowTriangles[index].id);
+        return inPlanar<true>(tree.narrowTriangles[index], f, taker);
+    default:
+        return inRecord<kCount>(tree, tree.records[index], f, taker, visits);
+    }
+}
+
+template <bool kCount, class Taker>
+[[gnu::always_inline]] inline bool inLeaf(const TreeView& tree, std::uint32_t reference,
+                                          const Frame& f, Taker taker, Visits* visits) {
+    if ((reference >> kLeafKindShift & 7) != kNarrowSharedLeaf)
+        return inOther<kCount>(tree, reference, f, taker, visits);
+    const NarrowSharedBlock& block = tree.narrowShared[reference & kLeafIndex];
+    if (kCount) visits->triangles += trianglesOf(block);
+    Met<Wide> met;
+    const unsigned lanes = meetShared(block, f, taker.limit(), met);
+    return lanes && taker.take(lanes, met, idsOf(tree, block), true);
+}
+
+// What closestFrom(), anyFrom() and crossFrom() ask of a leaf.
+
+template <bool kCount>
+[[gnu::always_inline]] inline bool
+closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, const Frame& f,
+              std::uint32_t exclude, Best& best, Visits* visits) {
+    return inLeaf<kCount>(tree, reference, f, Nearest{tree, ray, exclude, best}, visits);
+}
+
+template <bool kCount>
+[[gnu::always_inline]] inline bool anyInLeaf(const TreeView& tree, std::uint32_t reference,
+                                             const Ray& ray, const Frame& f, std::uint32_t exclude,
+                                             float last, Visits* visits) {
+    return inLeaf<kCount>(tree, reference, f, Any{tree, ray, exclude, last}, visits);
+}
+
+template <bool kCount>
+[[gnu::always_inline]] inline bool crossInLeaf(const TreeView& tree, std::uint32_t reference,
+                                               const Frame& f, std::uint32_t exclude, float last,
+                                               const Crosser& to, Visits* visits) {
+    return !inLeaf<kCount>(tree, reference, f, All{tree, exclude, last, to}, visits);
+}
+
+template <bool kCount>
+inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    Frame f;
+    const Boxes boxes = start(tree, ray, f);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    Best best{limitOf(tree, ray.tMax), 0, 0, nullptr};
+    Nearest taker{tree, ray, exclude, best};
+    if (tree.hasUnbounded) inRecord<kCount>(tree, tree.unbounded, f, taker, visits);
+    if (tree.nodes && !boxes.misses)
+        closestFrom<kCount>(tree, 0, ray, boxes.lanes, orderOf(boxes.mirror), Limits(), f, exclude,
+                            best, visits);
+    answer({best.t * tree.inverseScale, best.u, best.v, best.id}, hit);
+}
+
+template <bool kCount>
+inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
+    Frame f;
+    const Boxes boxes = start(tree, ray, f);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const float last = limitOf(tree, ray.tMax);
+    Any taker{tree, ray, exclude, last};
+    if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return true;
+    return tree.nodes && !boxes.misses &&
+           anyFrom<kCount>(tree, 0, ray, boxes.lanes, last, f, exclude, last, visits);
+}
+
+template <bool kCount>
+inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const Crosser& to, Visits* visits) {
+    Frame f;
+    const Boxes boxes = start(tree, ray, f);
+    const auto exclude = static_cast<std::uint32_t>(ray.exclude);
+    const float last = limitOf(tree, ray.tMax);
+    All taker{tree, exclude, last, to};
+    if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return false;
+    return !tree.nodes || boxes.misses ||
+           crossFrom<kCount>(tree, 0, boxes.lanes, last, f, exclude, last, to, visits);
+}
+
+void closest(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    visits ? closestImpl<true>(tree, ray, hit, visits)
+           : closestImpl<false>(tree, ray, hit, nullptr);
+}
+
+bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
+    return visits ? occludedImpl<true>(tree, ray, visits) : occludedImpl<false>(tree, ray, nullptr);
+}
+
+void crossings(const TreeView& tree, const Ray* rays, std::size_t count, CrossingSink& sink,
+               std::uint8_t* ended, Visits* visits) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const Crosser to{sink, static_cast<std::uint32_t>(i)};
+        ended[i] = !(visits ? f32::crossingsImpl<true>(tree, rays[i], to, visits)
+                            : f32::crossingsImpl<false>(tree, rays[i], to, nullptr));
+    }
+}
+
+void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool, Hit* hits,
+                  Visits* visits) {
+    for (std::size_t i = 0; i < count; ++i) closest(tree, rays[i], hits + i, visits);
+}
+
+void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool,
+                   std::uint8_t* answers, Visits* visits) {
+    for (std::size_t i = 0; i < count; ++i) answers[i] = occluded(tree, rays[i], visits);
+}
+
+} // namespace f32
