@@ -16,14 +16,15 @@ template <class T> struct HugePages {
     template <class U> HugePages(const HugePages<U>&) {}
 
     T* allocate(std::size_t count) {
-        const std::size_t bytes = count * sizeof(T);
-        if (bytes < kHugePage) return static_cast<T*>(::operator new(bytes));
+        if (count * sizeof(T) < kWorthOne)
+            return static_cast<T*>(::operator new(count * sizeof(T)));
+        const std::size_t bytes = (count * sizeof(T) + kHugePage - 1) / kHugePage * kHugePage;
         void* const memory = ::operator new(bytes, kAlignment);
-        madvise(memory, bytes / kHugePage * kHugePage, MADV_HUGEPAGE); // only advice
+        madvise(memory, bytes, MADV_HUGEPAGE); // only advice
         return static_cast<T*>(memory);
     }
     void deallocate(T* memory, std::size_t count) {
-        if (count * sizeof(T) < kHugePage)
+        if (count * sizeof(T) < kWorthOne)
             ::operator delete(memory);
         else
             ::operator delete(memory, kAlignment);
@@ -38,7 +39,7 @@ template <class T> struct HugePages {
     bool operator==(const HugePages&) const { return true; }
 
 private:
-    static constexpr std::size_t kHugePage = 2u << 20;
+    static constexpr std::size_t kHugePage = 2u << 20, kWorthOne = kHugePage / 2;
     static constexpr std::align_val_t kAlignment{kHugePage};
 };
 

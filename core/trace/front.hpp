@@ -67,8 +67,7 @@ struct Scratch {
     std::vector<std::uint8_t> ranks;
     std::vector<std::uint32_t> sorted;
     std::unique_ptr<Front> front = std::make_unique_for_overwrite<Front>();
-    std::unique_ptr<Front> contact =
-        std::make_unique_for_overwrite<Front>(); // one opaque surface that another touches
+    std::unique_ptr<Front> contact; // one opaque surface that another touches; when it is needed
     std::vector<Child> children;
     std::size_t childCount = 0;
     ByDirection childrenByDirection;

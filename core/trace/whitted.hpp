@@ -579,6 +579,7 @@ private:
         geometry::Surface end = *also.opaque;
         end.error += front.wave.refractedError.at[child.encounter];
         geometry::Hit hit = also.opaqueHit;
+        if (!scratch_.contact) scratch_.contact = std::make_unique_for_overwrite<Front>();
         Front& contact = *scratch_.contact;
         contact.start({{&work, 1}, {&ray, 1}, {&hit, 1}});
         encounter(contact, 0, end);
