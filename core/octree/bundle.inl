@@ -44,10 +44,10 @@ struct alignas(64) Bundle {
     // as Best; t of an occlusion query is the last that counts
     double t[kRays], u[kRays], v[kRays];
     std::uint32_t id[kRays], exclude[kRays];
-    unsigned found;   // bit per ray: it met something; of a crossing query: something opaque
-    unsigned active;  // bit per ray that may still meet a box
-    bool excludes;    // any ray excludes a primitive
-    bool boxesAreMet; // any ray may meet any box
+    unsigned found;  // bit per ray: it met something; of a crossing query: something opaque
+    unsigned active; // bit per ray that may still meet a box
+    bool excludes;   // any ray excludes a primitive
+    bool isMoved;    // some origin was far and is now in the cube
     int kx, ky, kz;
     unsigned mirror;
     BundleBoxes boxes;
@@ -145,6 +145,7 @@ inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     }
     b.found = 0;
     b.active = 0xFFFFu >> (kRays - count);
+    b.isMoved = isNear != 0xFFFF;
     double mostExtra = 0;
     for (unsigned far = ~isNear & 0xFFFF; far; far &= far - 1) {
         const int i = __builtin_ctz(far);
@@ -686,7 +687,7 @@ inline unsigned bundleInLeaf(const TreeView& tree, std::uint32_t reference, cons
 }
 
 /// Answers in b.t, b.u, b.v, b.id and b.found.
-template <bool kCount, Query kQuery>
+template <bool kCount, Query kQuery, class Bundle>
 inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle& b,
                   Visits* visits) {
     const unsigned valid = 0xFFFFu >> (kRays - count);
@@ -758,6 +759,22 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     }
 }
 
+// A ray that joins no bundle.
+template <bool kCount>
+inline void alone(const Bundle&, const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    closestImpl<kCount>(tree, ray, hit, visits);
+}
+template <bool kCount>
+inline void alone(const Bundle&, const TreeView& tree, const Ray& ray, std::uint8_t* occluded,
+                  Visits* visits) {
+    *occluded = occludedImpl<kCount>(tree, ray, visits);
+}
+template <bool kCount>
+inline bool alone(const Bundle&, const TreeView& tree, const Ray& ray, const Crosser& to,
+                  Visits* visits) {
+    return crossingsImpl<kCount>(tree, ray, to, visits);
+}
+
 /// Sixteen rays from the next of a batch; those beyond its end repeat the last.
 inline const Ray* sixteen(const Ray* rays, unsigned count, unsigned char* padded) {
     if (count == kRays) return rays;
@@ -766,7 +783,7 @@ inline const Ray* sixteen(const Ray* rays, unsigned count, unsigned char* padded
     return reinterpret_cast<const Ray*>(padded);
 }
 
-template <bool kCount>
+template <bool kCount, class Bundle>
 inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t count, Hit* hits,
                            Visits* visits) {
     alignas(64) unsigned char padded[kRays * sizeof(Ray)];
@@ -776,7 +793,7 @@ inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t co
         const Ray* const batch = n < kWorthBundle ? rays + first : sixteen(rays + first, n, padded);
         Hit* const to = hits + first;
         if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
-            for (unsigned i = 0; i < n; ++i) closestImpl<kCount>(tree, batch[i], to + i, visits);
+            for (unsigned i = 0; i < n; ++i) alone<kCount>(b, tree, batch[i], to + i, visits);
             continue;
         }
         trace<kCount, Query::closest>(tree, batch, n, b, visits);
@@ -794,7 +811,7 @@ inline void closestBundles(const TreeView& tree, const Ray* rays, std::size_t co
     }
 }
 
-template <bool kCount>
+template <bool kCount, class Bundle>
 inline void occludedBundles(const TreeView& tree, const Ray* rays, std::size_t count,
                             std::uint8_t* answers, Visits* visits) {
     alignas(64) unsigned char padded[kRays * sizeof(Ray)];
@@ -804,7 +821,7 @@ inline void occludedBundles(const TreeView& tree, const Ray* rays, std::size_t c
         const Ray* const batch = n < kWorthBundle ? rays + first : sixteen(rays + first, n, padded);
         std::uint8_t* const to = answers + first;
         if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
-            for (unsigned i = 0; i < n; ++i) to[i] = occludedImpl<kCount>(tree, batch[i], visits);
+            for (unsigned i = 0; i < n; ++i) alone<kCount>(b, tree, batch[i], to + i, visits);
             continue;
         }
         for (unsigned i = 0; i < n; ++i) b.t[i] = below(b.t[i]);
@@ -813,7 +830,7 @@ inline void occludedBundles(const TreeView& tree, const Ray* rays, std::size_t c
     }
 }
 
-template <bool kCount>
+template <bool kCount, class Bundle>
 inline void crossBundles(const TreeView& tree, const Ray* rays, std::size_t count,
                          CrossingSink& sink, std::uint8_t* ended, Visits* visits) {
     alignas(64) unsigned char padded[kRays * sizeof(Ray)];
@@ -826,7 +843,7 @@ inline void crossBundles(const TreeView& tree, const Ray* rays, std::size_t coun
         b.first = static_cast<std::uint32_t>(first);
         if (n < kWorthBundle || !setUp(tree, batch, n, b)) {
             for (unsigned i = 0; i < n; ++i)
-                to[i] = !crossingsImpl<kCount>(tree, batch[i], {sink, b.first + i}, visits);
+                to[i] = !alone<kCount>(b, tree, batch[i], Crosser{sink, b.first + i}, visits);
             continue;
         }
         for (unsigned i = 0; i < n; ++i) b.t[i] = below(b.t[i]);

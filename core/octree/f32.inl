@@ -1,8 +1,11 @@
-// Precision::f32: single rays against everything in f32, in octree space, where t is t · scale.
+// Precision::f32: rays against everything in f32, in octree space, where t is t · scale.
 //
 // Triangles that share corners are sheared as in kernel.inl; others and parallelograms are tested as in
 // [Möller, Trumbore 1997], spheres by the textbook's quadratic. Boxes have no slack. Only the products of the
 // boxes are contracted, and those at every SIMD level, so that all levels give the same bits.
+
+using ExactBundle = Bundle;
+using ExactLimits = Limits;
 
 namespace f32 {
 
@@ -379,23 +382,278 @@ bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
     return visits ? occludedImpl<true>(tree, ray, visits) : occludedImpl<false>(tree, ray, nullptr);
 }
 
+// Bundles: those of bundle.inl with their f64 set-up and boxes. The coordinates of its filter are the rays here, and
+// what it lets through is the answer: there is no second, f64 pass.
+
+struct Bundle : ExactBundle {};
+
+inline bool setUp(const TreeView& tree, const Ray* rays, unsigned count, Bundle& b) {
+    return setUp(tree, rays, count, static_cast<ExactBundle&>(b)) && !b.isMoved;
+}
+
+/// 16 rays relative to Bundle::reference, axes as kx, ky, kz. Directions have a length of 1 along z, toward where
+/// they go: t there is t · scale / |shearZ|.
+struct SixteenRays {
+    Vector<Wide> origin, direction;
+};
+
+inline SixteenRays sixteenOf(const Bundle& b) {
+    const Wide sign = allWide(b.mirror >> b.kz & 1 ? -1.0f : 1.0f);
+    return {{loadWide(b.filterX), loadWide(b.filterY), loadWide(b.filterZ)},
+            {loadWide(b.filterShearX) * sign, loadWide(b.filterShearY) * sign, sign}};
+}
+
+/// Row of a block as `axis` of all rays sees it, relative to the reference where it is a position.
+inline Vector<Wide> spread(const Bundle& b, const NarrowTriangleBlock& block, int row, int lane,
+                           bool isPosition) {
+    const auto one = [&](int axis) {
+        const float x = block.corner[row][axis][lane];
+        return allWide(isPosition ? x - static_cast<float>(b.reference[axis]) : x);
+    };
+    return {one(b.kx), one(b.ky), one(b.kz)};
+}
+
+/// Takes over what rays found in one primitive; as the other take() and cross().
+template <Query kQuery, bool kPlanar>
+inline unsigned taken(const TreeView& tree, Bundle& b, unsigned rays, const Met<Wide>& met,
+                      std::uint32_t id) {
+    if (!rays) return 0;
+    alignas(64) float t[kRays], u[kRays], v[kRays];
+    store(t, met.t);
+    store(u, met.u);
+    store(v, met.v);
+    unsigned result = 0;
+    for (int at = 0; at < kRays; at += kLanes) {
+        const unsigned some = rays >> at & 0xFF;
+        if (!some) continue;
+        const F64 world = widened(t + at) * magnitude(load(b.shearZ + at)) * all(tree.inverseScale);
+        if (kQuery == Query::crossings)
+            result |= cross<kPlanar>(b, at, maskOf(some), maskOf(0), world, id);
+        else
+            result |= take<kQuery, kPlanar>(b, at, maskOf(some), world, widened(u + at),
+                                            widened(v + at), id);
+    }
+    return result;
+}
+
+template <Query kQuery>
+[[gnu::noinline]] unsigned bundleInShared(const TreeView& tree, const NarrowSharedBlock& block,
+                                          Bundle& b, unsigned active) {
+    const SixteenRays rays = sixteenOf(b);
+    const Wide shearX = loadWide(b.filterShearX), shearY = loadWide(b.filterShearY);
+    alignas(64) float x[kSharedLanes][kRays], y[kSharedLanes][kRays], z[kSharedLanes][kRays];
+    const auto *const cx = block.corner[b.kx], *const cy = block.corner[b.ky],
+                      *const cz = block.corner[b.kz];
+    const auto rx = static_cast<float>(b.reference[b.kx]),
+               ry = static_cast<float>(b.reference[b.ky]),
+               rz = static_cast<float>(b.reference[b.kz]);
+    for (int i = 0; i < kSharedLanes; ++i) {
+        const Wide pz = allWide(cz[i] - rz) - rays.origin.z;
+        store(z[i], pz);
+        store(x[i], (allWide(cx[i] - rx) - rays.origin.x) - shearX * pz);
+        store(y[i], (allWide(cy[i] - ry) - rays.origin.y) - shearY * pz);
+    }
+    const std::uint32_t* const ids = idsOf(tree, block);
+    unsigned result = 0;
+    for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
+        const int i = __builtin_ctz(lanes);
+        const int p = block.index[0][i], q = block.index[1][i], r = block.index[2][i];
+        const Wide ax = loadWide(x[p]), ay = loadWide(y[p]), bx = loadWide(x[q]),
+                   by = loadWide(y[q]), cornerX = loadWide(x[r]), cornerY = loadWide(y[r]);
+        const Wide u = cornerX * by - cornerY * bx, v = ax * cornerY - ay * cornerX,
+                   w = bx * ay - by * ax;
+        unsigned in = active & ~(bitsLess(smaller(smaller(u, v), w), allWide(0)) &
+                                 bitsLess(allWide(0), larger(larger(u, v), w)));
+        if (ends(kQuery)) in &= ~result;
+        if (!in) continue;
+        const Wide inverse = allWide(1) / ((u + v) + w);
+        const Met<Wide> met{rays.direction.z *
+                                ((u * loadWide(z[p]) + v * loadWide(z[q])) + w * loadWide(z[r])) *
+                                inverse,
+                            v * inverse, w * inverse};
+        result |= taken<kQuery, true>(tree, b, in & bitsLess(allWide(kStart), met.t), met, ids[i]);
+    }
+    return result;
+}
+
+template <Query kQuery, bool kWhole>
+[[gnu::noinline]] unsigned bundleInPlanar(const TreeView& tree, const NarrowTriangleBlock& block,
+                                          Bundle& b, unsigned active) {
+    const SixteenRays rays = sixteenOf(b);
+    unsigned result = 0;
+    for (int i = 0; i < kLanes && block.id[i] != kEmptyChild; ++i) {
+        Met<Wide> met;
+        unsigned in =
+            meetPlanar<kWhole>(rays.origin, rays.direction, spread(b, block, 0, i, true),
+                               spread(b, block, 1, i, false), spread(b, block, 2, i, false),
+                               allWide(kStart), allWide(__builtin_inff()), met);
+        in &= ends(kQuery) ? active & ~result : active;
+        result |= taken<kQuery, true>(tree, b, in, met, block.id[i]);
+    }
+    return result;
+}
+
+template <Query kQuery>
+[[gnu::noinline]] unsigned bundleInSpheres(const TreeView& tree, const NarrowTriangleBlock& block,
+                                           Bundle& b, unsigned active) {
+    const SixteenRays rays = sixteenOf(b);
+    const Wide least = allWide(kStart), most = allWide(__builtin_inff());
+    unsigned result = 0;
+    for (int i = 0; i < kLanes && block.id[i] != kEmptyChild; ++i) {
+        Met<Wide> first, second;
+        meetSphere(rays.origin, rays.direction, spread(b, block, 0, i, true),
+                   allWide(block.corner[1][0][i]), first.t, second.t);
+        first.u = first.v = second.u = second.v = allWide(0);
+        const unsigned going = ends(kQuery) ? active & ~result : active;
+        const unsigned in = going & between(least, first.t, most);
+        const unsigned out = going & between(least, second.t, most);
+        result |= taken<kQuery, false>(tree, b, in, first, block.id[i]);
+        result |= taken<kQuery, false>(tree, b, kQuery == Query::crossings ? out : out & ~in,
+                                       second, block.id[i]);
+    }
+    return result;
+}
+
+inline Frame frameAt(const TreeView& tree, const Bundle& b, const Ray& ray, int i) {
+    Frame f;
+    for (int axis = 0; axis < 3; ++axis) {
+        f.origin[axis] = static_cast<float>((b.origin[axis][i] - tree.center[axis]) * tree.scale);
+        f.direction[axis] = static_cast<float>((&ray.direction.x)[axis]);
+    }
+    f.kx = b.kx;
+    f.ky = b.ky;
+    f.kz = b.kz;
+    f.ox = f.origin[f.kx];
+    f.oy = f.origin[f.ky];
+    f.oz = f.origin[f.kz];
+    f.shearX = b.filterShearX[i];
+    f.shearY = b.filterShearY[i];
+    f.shearZ = static_cast<float>(b.shearZ[i]);
+    f.start = kStart * __builtin_fabsf(f.shearZ);
+    return f;
+}
+
+inline Best bestAt(const TreeView& tree, const Bundle& b, int i) {
+    return {limitOf(tree, b.t[i]), static_cast<float>(b.u[i]), static_cast<float>(b.v[i]),
+            b.found >> i & 1 ? b.id + i : nullptr};
+}
+inline unsigned take(const TreeView& tree, Bundle& b, int i, const Best& best) {
+    return take(b, i, {best.t * tree.inverseScale, best.u, best.v, best.id});
+}
+
+template <bool kCount, Query kQuery>
+[[gnu::noinline]] unsigned aloneFrom(const TreeView& tree, std::uint32_t reference, const Ray& ray,
+                                     const Order& order, Bundle& b, unsigned i, Visits* visits) {
+    const Frame f = frameAt(tree, b, ray, static_cast<int>(i));
+    const BoxLanes lanes = lanesAt(tree, b, static_cast<int>(i));
+    const float last = limitOf(tree, b.t[i]);
+    if (kQuery == Query::crossings)
+        return static_cast<unsigned>(!crossFrom<kCount>(tree, reference, lanes, b.limit[i], f,
+                                                        b.exclude[i], last,
+                                                        Crosser{*b.sink, b.first + i}, visits))
+               << i;
+    if (kQuery == Query::any)
+        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanes, b.limit[i], f,
+                                                     b.exclude[i], last, visits))
+               << i;
+    Best best = bestAt(tree, b, static_cast<int>(i));
+    // The bundle's boxes are met by directions that are brought to a length.
+    closestFrom<kCount>(tree, reference, ray, lanes, order,
+                        ExactLimits{b.limitFactor[i] * tree.inverseScale, b.limitOffset[i]}, f,
+                        b.exclude[i], best, visits);
+    return take(tree, b, static_cast<int>(i), best);
+}
+
+template <bool kCount, Query kQuery>
+[[gnu::noinline]] unsigned aloneInRecord(const TreeView& tree, const LeafRecord& leaf,
+                                         const Ray* rays, Bundle& b, unsigned active,
+                                         Visits* visits) {
+    unsigned result = 0;
+    for (; active; active &= active - 1) {
+        const int i = __builtin_ctz(active);
+        const Frame f = frameAt(tree, b, rays[i], i);
+        const auto last = limitOf(tree, b.t[i]);
+        if (kQuery == Query::closest) {
+            Best best = bestAt(tree, b, i);
+            Nearest taker{tree, rays[i], b.exclude[i], best};
+            inRecord<kCount>(tree, leaf, f, taker, visits);
+            result |= take(tree, b, i, best);
+            continue;
+        }
+        const Crosser to{*b.sink, b.first + static_cast<unsigned>(i)};
+        Any any{tree, rays[i], b.exclude[i], last};
+        All all{tree, b.exclude[i], last, to};
+        const bool isEnded = kQuery == Query::any ? inRecord<kCount>(tree, leaf, f, any, visits)
+                                                  : inRecord<kCount>(tree, leaf, f, all, visits);
+        result |= static_cast<unsigned>(isEnded) << i;
+    }
+    return result;
+}
+
+template <bool kCount, Query kQuery>
+inline unsigned bundleInLeaf(const TreeView& tree, std::uint32_t reference, const Ray* rays,
+                             Bundle& b, unsigned active, Visits* visits) {
+    const std::uint32_t index = reference & kLeafIndex;
+    const LeafKind kind = static_cast<LeafKind>(reference >> kLeafKindShift & 7);
+    if (kind == kNarrowSharedLeaf) {
+        if (kCount) visits->triangles += trianglesOf(tree.narrowShared[index]);
+        return bundleInShared<kQuery>(tree, tree.narrowShared[index], b, active);
+    }
+    if (kind == kMixedLeaf)
+        return aloneInRecord<kCount, kQuery>(tree, tree.records[index], rays, b, active, visits);
+    const NarrowTriangleBlock& block = tree.narrowTriangles[index];
+    const unsigned used = kCount ? lanesInUse(block.id) : 0;
+    if (kind == kSphereLeaf) {
+        if (kCount) visits->spheres += used;
+        return bundleInSpheres<kQuery>(tree, block, b, active);
+    }
+    if (kind == kParallelogramLeaf) {
+        if (kCount) visits->parallelograms += used;
+        return bundleInPlanar<kQuery, true>(tree, block, b, active);
+    }
+    if (kCount) visits->triangles += used;
+    return bundleInPlanar<kQuery, false>(tree, block, b, active);
+}
+
+template <bool kCount>
+inline void alone(const Bundle&, const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
+    f32::closestImpl<kCount>(tree, ray, hit, visits);
+}
+template <bool kCount>
+inline void alone(const Bundle&, const TreeView& tree, const Ray& ray, std::uint8_t* occluded,
+                  Visits* visits) {
+    *occluded = f32::occludedImpl<kCount>(tree, ray, visits);
+}
+template <bool kCount>
+inline bool alone(const Bundle&, const TreeView& tree, const Ray& ray, const Crosser& to,
+                  Visits* visits) {
+    return f32::crossingsImpl<kCount>(tree, ray, to, visits);
+}
+
 void crossings(const TreeView& tree, const Ray* rays, std::size_t count, CrossingSink& sink,
                std::uint8_t* ended, Visits* visits) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const Crosser to{sink, static_cast<std::uint32_t>(i)};
-        ended[i] = !(visits ? f32::crossingsImpl<true>(tree, rays[i], to, visits)
-                            : f32::crossingsImpl<false>(tree, rays[i], to, nullptr));
-    }
+    visits ? crossBundles<true, Bundle>(tree, rays, count, sink, ended, visits)
+           : crossBundles<false, Bundle>(tree, rays, count, sink, ended, nullptr);
 }
 
-void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool, Hit* hits,
-                  Visits* visits) {
-    for (std::size_t i = 0; i < count; ++i) closest(tree, rays[i], hits + i, visits);
+void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
+                  Hit* hits, Visits* visits) {
+    if (!coherent)
+        for (std::size_t i = 0; i < count; ++i) closest(tree, rays[i], hits + i, visits);
+    else if (visits)
+        closestBundles<true, Bundle>(tree, rays, count, hits, visits);
+    else
+        closestBundles<false, Bundle>(tree, rays, count, hits, nullptr);
 }
 
-void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool,
+void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                    std::uint8_t* answers, Visits* visits) {
-    for (std::size_t i = 0; i < count; ++i) answers[i] = occluded(tree, rays[i], visits);
+    if (!coherent)
+        for (std::size_t i = 0; i < count; ++i) answers[i] = occluded(tree, rays[i], visits);
+    else if (visits)
+        occludedBundles<true, Bundle>(tree, rays, count, answers, visits);
+    else
+        occludedBundles<false, Bundle>(tree, rays, count, answers, nullptr);
 }
 
 } // namespace f32

@@ -237,6 +237,7 @@ inline unsigned bitsLess(F32 x, F32 y) {
 }
 inline void store(float* p, F32 x) { _mm256_store_ps(p, x.v); }
 inline Wide operator/(Wide x, Wide y) { return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)}; }
+inline Wide squareRoot(Wide x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
 using Fused = F32; // productMinus() is contracted anyway
 
 /// Which of 16 lanes.

@@ -156,6 +156,7 @@ inline F32 squareRoot(F32 a) { return {_mm256_sqrt_ps(a.v)}; }
 inline unsigned bitsLess(F32 a, F32 b) { return _mm256_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ); }
 inline void store(float* p, F32 a) { _mm256_store_ps(p, a.v); }
 inline Wide operator/(Wide a, Wide b) { return {_mm512_div_ps(a.v, b.v)}; }
+inline Wide squareRoot(Wide a) { return {_mm512_sqrt_ps(a.v)}; }
 using Fused = F32; // productMinus() is contracted anyway
 
 /// Which of 16 lanes.

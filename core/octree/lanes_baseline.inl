@@ -248,6 +248,10 @@ inline Wide operator/(Wide x, Wide y) {
     return {_mm_div_ps(x.a, y.a), _mm_div_ps(x.b, y.b), _mm_div_ps(x.c, y.c), _mm_div_ps(x.d, y.d)};
 }
 
+inline Wide squareRoot(Wide x) {
+    return {_mm_sqrt_ps(x.a), _mm_sqrt_ps(x.b), _mm_sqrt_ps(x.c), _mm_sqrt_ps(x.d)};
+}
+
 /// Lanes whose productMinus() is contracted.
 struct Fused : F32 {};
 

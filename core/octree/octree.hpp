@@ -30,7 +30,7 @@ enum class Precision : std::uint8_t {
     /// Approximately, for comparison: planes, edges, t, u and v are f32, relative to the size of the whole. Rays may slip
     /// through edges; hits nearer than 2^-18 of half that size are missed, and all by rays from farther than 2^36
     /// times as far; of hits at nearly one distance any may win, and a batch may choose another than a ray alone.
-    /// Shapes of plugins answer as ever. All SIMD levels give the same bits. Updates build anew.
+    /// Shapes of plugins answer as ever. A ray alone gets the same bits at every SIMD level. Updates build anew.
     f32
 };
 

@@ -13,8 +13,8 @@ bool occluded(const TreeView& tree, const Ray& ray, Visits* visits) {
 
 void crossings(const TreeView& tree, const Ray* rays, std::size_t count, CrossingSink& sink,
                std::uint8_t* ended, Visits* visits) {
-    visits ? crossBundles<true>(tree, rays, count, sink, ended, visits)
-           : crossBundles<false>(tree, rays, count, sink, ended, nullptr);
+    visits ? crossBundles<true, Bundle>(tree, rays, count, sink, ended, visits)
+           : crossBundles<false, Bundle>(tree, rays, count, sink, ended, nullptr);
 }
 
 void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* hit) {
@@ -37,7 +37,7 @@ template <bool kCount>
 inline void closestOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                          Hit* hits, Visits* visits) {
     if (coherent)
-        closestBundles<kCount>(tree, rays, count, hits, visits);
+        closestBundles<kCount, Bundle>(tree, rays, count, hits, visits);
     else if (tree.isLarge)
         inTurns<kCount>(tree, rays, count, hits, visits);
     else
@@ -49,7 +49,7 @@ template <bool kCount>
 inline void occludedOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                           std::uint8_t* answers, Visits* visits) {
     if (coherent)
-        occludedBundles<kCount>(tree, rays, count, answers, visits);
+        occludedBundles<kCount, Bundle>(tree, rays, count, answers, visits);
     else if (tree.isLarge)
         inTurns<kCount>(tree, rays, count, answers, visits);
     else

@@ -230,7 +230,7 @@ void measure(const Subject& subject, const Options& options) {
     octree::BuildOptions approximate = options.build;
     approximate.precision = octree::Precision::f32;
     const Octree fast = Octree::build(primitives, approximate);
-    Answers single(rays), f32(rays), bundles(rays), turns(rays), inF32(rays);
+    Answers single(rays), f32(rays), bundles(rays), turns(rays), inF32(rays), inBundles(rays);
 
     // The stored answers of single rays, f32 storage and Embree robust are compared below.
     std::vector<Contender> contenders;
@@ -251,6 +251,7 @@ void measure(const Subject& subject, const Options& options) {
     }
     const std::size_t kFast = contenders.size();
     add("octree fast", [&](RayClass c) { ask(fast, rays, c, inF32); });
+    add("octree fast 16", [&](RayClass c) { ask(fast, rays, c, Coherence::coherent, inBundles); });
     std::size_t kRobust = 0, kDefault = 0, kRobust16 = 0;
 #ifdef RT_BENCH_EMBREE
     const auto robust = embreeScene(subject, true), plain = embreeScene(subject, false);

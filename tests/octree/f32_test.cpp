@@ -87,6 +87,38 @@ TEST_P(F32, IsTheSameAtEverySimdLevel) {
     }
 }
 
+TEST_P(F32, BatchesAreNearSingleRays) {
+    const Octree tree = build();
+    Random random(5);
+    constexpr std::size_t kRays = 160;
+    std::vector<Ray> rays(kRays);
+    std::vector<Hit> hits(kRays);
+    std::vector<std::uint8_t> occluded(kRays);
+    octree::CrossingLists lists;
+    std::size_t met = 0, others = 0;
+    for (int round = 0; round < 200; ++round) {
+        const Ray middle = ordinaryRay(random);
+        for (Ray& ray : rays) {
+            ray = middle;
+            ray.direction += random.inBox(0.02);
+            if (round % 4 == 0) ray.tMax = scene().size;
+        }
+        tree.closest(rays, hits, octree::Coherence::coherent);
+        tree.occluded(rays, occluded, octree::Coherence::coherent);
+        tree.crossings(rays, {}, lists);
+        for (std::size_t i = 0; i < kRays; ++i) {
+            const Hit alone = tree.closest(rays[i]);
+            std::vector<Crossing> all;
+            tree.crossings(rays[i], {}, all);
+            met += static_cast<bool>(alone);
+            others += hits[i].id != alone.id || (occluded[i] != 0) != static_cast<bool>(alone) ||
+                      lists.of(i).size() != all.size();
+        }
+    }
+    EXPECT_GT(met, 1000u);
+    EXPECT_LT(others, met / 20);
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, F32, testing::Range(0, 6));
 
 TEST(F32Rays, WithoutSenseMissEverything) {
