@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <regex>
 #include <set>
 
@@ -151,6 +152,15 @@ TEST(Tests, AreAllEnabled) {
             for (const std::string& line : linesWith(*pattern, codeOf(file.text)))
                 ADD_FAILURE() << file.path << ":" << line;
     }
+}
+
+/// `./dev package try` tried the package "debootstrap" where that had to be installed first.
+TEST(Dev, InstallKeepsItsCallersVariables) {
+    const std::string command =
+        "bash -c 'set -eu; source <(sed -n \"/^install()/,/^}/p\" \"" + (root() / "dev").string() +
+        "\"); dpkg-query() { echo install ok installed; }; package=rt.deb; missing=none; install "
+        "first second; [[ $package == rt.deb && $missing == none ]]'";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 
 } // namespace rt::structure
