@@ -8,7 +8,7 @@
 
 namespace rt::report {
 
-/// naive: Möller and Trumbore's triangles, the textbook's quadratic, hits nearer than 1/1000 ignored, as in the
+/// What panel A calls scalar. naive: Möller and Trumbore's triangles, the textbook's quadratic, hits nearer than 1/1000 ignored, as in the
 /// original program. robust: the product's methods. All share one scalar tracer and one tree of boxes; reference is
 /// robust in binary128.
 enum class Arithmetic : std::uint8_t { f32Naive, f32Robust, f64Naive, f64Robust, f128Reference };

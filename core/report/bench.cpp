@@ -46,9 +46,11 @@ void scale(world::World& world, scene::Description& d, double s) {
     for (auto& object : world.objectFromWorld) object.linear *= 1 / s;
 }
 
-Octree treeOf(const world::World& world, const scene::Description& d, std::uint32_t maxObjects) {
-    return Octree::build(world.primitives,
-                         {.maxObjects = maxObjects, .minSize = d.render.octreeMinSize});
+Octree treeOf(const world::World& world, const scene::Description& d, std::uint32_t maxObjects,
+              octree::Precision precision = octree::Precision::exact) {
+    return Octree::build(
+        world.primitives,
+        {.maxObjects = maxObjects, .minSize = d.render.octreeMinSize, .precision = precision});
 }
 
 class Bench {
@@ -118,27 +120,34 @@ private:
             d.render.antialias = scene::AntialiasNone{};
             d.render.smooth = false;
             if (s != 1) scale(world, d, s);
-            const Octree tree = treeOf(world, d, d.render.octreeMaxObjects);
+            const std::uint32_t maxObjects = d.render.octreeMaxObjects;
+            const Octree tree = treeOf(world, d, maxObjects),
+                         fast = treeOf(world, d, maxObjects, octree::Precision::f32);
             const Framebuffer reference =
                 renderIn(Arithmetic::f128Reference, world, d, plan_.threads).frame;
             std::vector<Runner> runners;
             for (const Arithmetic arithmetic : {Arithmetic::f32Naive, Arithmetic::f32Robust,
                                                 Arithmetic::f64Naive, Arithmetic::f64Robust}) {
-                Runner r = runner('A', nameOf(arithmetic), "", s, reference);
+                const std::string name = std::string(nameOf(arithmetic)) + " (scalar)";
+                Runner r = runner('A', name, "", s, reference);
                 const auto rays = renderIn(arithmetic, world, d, 1).rays;
-                if (arithmetic == Arithmetic::f64Robust) r.row.name += " (scalar)";
                 r.run = [&world, &d, arithmetic] {
                     return renderIn(arithmetic, world, d, 1).frame;
                 };
                 r.count = [rays] { return trace::RayCounts{.primary = rays}; };
                 runners.push_back(std::move(r));
             }
-            Runner product = runner('A', "f64-robust", "", s, reference);
-            product.row.isDefault = true;
-            product.row.bytes = tree.statistics().bytes;
-            product.run = [&] { return render(tree, world, d, 1, false).frame; };
-            product.count = [&] { return render(tree, world, d, 1, true).counts; };
-            runners.push_back(std::move(product));
+            for (const Octree* const octree : {&fast, &tree}) {
+                const bool isDefault = octree == &tree;
+                Runner r = runner('A', isDefault ? kProduct : kProductInF32, "", s, reference);
+                r.row.isDefault = isDefault;
+                r.row.bytes = octree->statistics().bytes;
+                r.run = [&world, &d, octree] { return render(*octree, world, d, 1, false).frame; };
+                r.count = [&world, &d, octree] {
+                    return render(*octree, world, d, 1, true).counts;
+                };
+                runners.push_back(std::move(r));
+            }
             measure(runners);
         }
     }
@@ -290,6 +299,21 @@ private:
 SceneReport bench(const std::string& name, const world::World& world,
                   const scene::Description& description, const Plan& plan) {
     return Bench(name, world, description, plan).run();
+}
+
+std::optional<double> priceOfRobustness(const std::vector<SceneReport>& reports) {
+    std::vector<double> prices;
+    for (const SceneReport& report : reports) {
+        double robust = 0, naive = 0;
+        for (const Row& row : report.rows) {
+            if (row.panel != 'A' || row.scale != 1) continue;
+            if (row.name == kProduct) robust = row.cpu.median;
+            if (row.name == kProductInF32) naive = row.cpu.median;
+        }
+        if (robust > 0 && naive > 0) prices.push_back(robust / naive);
+    }
+    if (prices.empty()) return {};
+    return spreadOf(prices).median;
 }
 
 Choice choose(const std::vector<SceneReport>& reports, const Wanted& wanted) {

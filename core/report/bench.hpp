@@ -65,12 +65,18 @@ struct SceneReport {
     bool complete = true;
 };
 
+/// Panel A: the product, and the same with an octree of octree::Precision::f32.
+inline constexpr const char *kProduct = "f64-robust", *kProductInF32 = "f32-naive";
+
 /// A pixel is wrong when a channel is off by more than this in linear light, or not a number.
 inline constexpr double kWrong = 1.0 / 255;
 
 /// Throws std::logic_error when the picture depends on the threads or on the octree.
 SceneReport bench(const std::string& name, const world::World& world,
                   const scene::Description& description, const Plan& plan);
+
+/// Median over the scenes of the CPU time of kProduct over that of kProductInF32, at scale 1; none without panel A.
+std::optional<double> priceOfRobustness(const std::vector<SceneReport>& reports);
 
 struct Wanted {
     double maxRmse = 1;
