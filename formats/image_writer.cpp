@@ -140,7 +140,7 @@ std::vector<std::byte> encodeImage(const Framebuffer& frame, ImageFormat format,
         return encodeWith(frame, format, encoding,
                           samplesOf<std::uint16_t>(frame, srgb ? image::srgb16 : image::linear16));
     return encodeWith(frame, format, encoding,
-                      samplesOf<std::uint8_t>(frame, srgb ? image::srgb8 : image::linear8));
+                      image::codesOf(frame, srgb ? image::toSrgb8 : image::toLinear8));
 }
 
 } // namespace rt::formats

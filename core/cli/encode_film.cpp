@@ -20,12 +20,8 @@ constexpr scene::Code kFramesMissing{407}, kWriteFailed{605}, kEncodeFailed{606}
 constexpr int kFilmQuality = 80;
 
 std::vector<std::uint8_t> bytesOf(const image::Framebuffer& frame, scene::Encoding encoding) {
-    const auto code = encoding == scene::Encoding::srgb ? image::srgb8 : image::linear8;
-    std::vector<std::uint8_t> bytes;
-    bytes.reserve(frame.pixels.size() * 3);
-    for (const numeric::LinearRgb& pixel : frame.pixels)
-        for (const double channel : {pixel.r, pixel.g, pixel.b}) bytes.push_back(code(channel));
-    return bytes;
+    return image::codesOf(frame,
+                          encoding == scene::Encoding::srgb ? image::toSrgb8 : image::toLinear8);
 }
 
 std::string manifestPath(const formats::FrameStore& store) {

@@ -67,6 +67,14 @@ void toLinear8(std::span<const double> linear, std::uint8_t* codes) {
     for (const double c : linear) *codes++ = linear8(c);
 }
 
+std::vector<std::uint8_t> codesOf(const Framebuffer& frame,
+                                  void (*encode)(std::span<const double>, std::uint8_t*)) {
+    static_assert(sizeof(LinearRgb) == 3 * sizeof(double));
+    std::vector<std::uint8_t> codes(frame.pixels.size() * 3);
+    if (!codes.empty()) encode({&frame.pixels[0].r, codes.size()}, codes.data());
+    return codes;
+}
+
 std::uint16_t srgb16(double linear) {
     const double encoded = numeric::srgbFromLinear(clampedToUnit(linear));
     return static_cast<std::uint16_t>(roundHalfToEven(65535 * encoded));

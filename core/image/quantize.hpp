@@ -1,7 +1,10 @@
 // Linear light to the integers of a file and back. Values outside [0, 1] go to the nearer end, NaN goes to 0.
 #pragma once
+#include <core/image/framebuffer.hpp>
+
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace rt::image {
 
@@ -16,6 +19,9 @@ std::uint8_t srgb8(double linear);
 /// srgb8 and linear8 of each; codes has room for as many.
 void toSrgb8(std::span<const double> linear, std::uint8_t* codes);
 void toLinear8(std::span<const double> linear, std::uint8_t* codes);
+/// Every channel of a picture through one of these, row by row from the top, R G B.
+std::vector<std::uint8_t> codesOf(const Framebuffer& frame,
+                                  void (*encode)(std::span<const double>, std::uint8_t*));
 /// round(65535 srgbFromLinear(c)), halves to even.
 std::uint16_t srgb16(double linear);
 
