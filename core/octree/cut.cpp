@@ -151,11 +151,11 @@ struct Bins {
             if (axes >> a & 1) axis[n++] = a;
         switch (n) {
         case 1:
-            return fill<1>(first, last, scale, axis);
+            return fill<1>(first, last, scale, axes, axis, count);
         case 2:
-            return fill<2>(first, last, scale, axis);
+            return fill<2>(first, last, scale, axes, axis, count);
         default:
-            return fill<3>(first, last, scale, axis);
+            return fill<3>(first, last, scale, axes, axis, count);
         }
     }
     void add(const Bins& other, unsigned axes, int count) {
@@ -169,15 +169,30 @@ struct Bins {
 
 private:
     template <int kAxes>
-    void fill(const Reference* first, const Reference* last, const Scale& scale, const int* axis) {
+    void fill(const Reference* first, const Reference* last, const Scale& scale, unsigned axes,
+              const int* axis, int count) {
         Bin* row[kAxes];
         for (int i = 0; i < kAxes; ++i) row[i] = of[axis[i]];
-        for (; first != last; ++first) {
+        const auto add = [&](const Reference& r, Bin* const(&to)[kAxes]) {
             alignas(16) std::int32_t place[4];
-            _mm_store_si128(reinterpret_cast<__m128i*>(place), scale.placesOf(*first));
-            for (int i = 0; i < kAxes; ++i)
-                row[i][place[axis[i]]].add(lowerOf(*first), upperOf(*first), 1);
+            _mm_store_si128(reinterpret_cast<__m128i*>(place), scale.placesOf(r));
+            for (int i = 0; i < kAxes; ++i) to[i][place[axis[i]]].add(lowerOf(r), upperOf(r), 1);
+        };
+        // Neighbours often share a bin, and each would wait for the one before it: so every other one has bins of
+        // its own (octree_bench: builds take 7 to 16 % less on a Zen5).
+        constexpr std::ptrdiff_t kWorthTwo = 512;
+        if (last - first >= kWorthTwo) {
+            Bins others;
+            others.clear(axes, count);
+            Bin* other[kAxes];
+            for (int i = 0; i < kAxes; ++i) other[i] = others.of[axis[i]];
+            for (; last - first >= 2; first += 2) {
+                add(first[0], row);
+                add(first[1], other);
+            }
+            this->add(others, axes, count);
         }
+        for (; first != last; ++first) add(*first, row);
     }
 };
 
