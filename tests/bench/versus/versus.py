@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""versus.py BUILD [ROUNDS]: rt and POV-Ray draw the same four pictures; prints a table of Markdown.
+"""versus.py BUILD [ROUNDS]: rt and POV-Ray draw the same four pictures, its octree and Embree trace the same rays; prints two
+tables of Markdown.
 
 Each scene is written for both by hand: ambient 0, the same lights, one ray through the middle of each pixel, as many bounces,
 POV-Ray without its cut-off of dim rays. Rounds are interleaved and medians taken. `trace` is what each program itself reports
@@ -64,8 +65,23 @@ def write_mesh(path):
                   (len(vertices), ",\n".join(vertices), len(triangles), ",\n".join(triangles)))
 
 
+def versus_embree(build, rounds):
+    """Mrays/s of single rays on one thread, behind it how often as fast as Embree's robust mode; see octree_bench."""
+    print("\n| mesh | primitives | primary | shadow | mirror | random | build: rt / Embree | other hits |")
+    print("|---|---|---|---|---|---|---|---|")
+    for what in (["scan70k", "scan870k", "ico", "stadium", "soup"], ["--spheres"]):
+        _, said = run([f"{build}/bin/octree_bench", "--json", "--rounds", str(rounds)] + what)
+        for line in said.splitlines():
+            mesh = json.loads(line)
+            single = [c for c in mesh["rays"] if c["class"] in ("primary", "shadow", "mirror", "random")]
+            cells = [f"{c['mrays']:.1f} ({c['ratio_robust']:.2f})" for c in single]
+            print(f"| {mesh['mesh']} | {mesh['triangles']} | {' | '.join(cells)} | {mesh['ratio_build']:.2f} | "
+                  f"{sum(c['mismatches'] for c in single)} |", flush=True)
+
+
 def main():
-    program = os.path.abspath(sys.argv[1]) + "/bin/rt"
+    build = os.path.abspath(sys.argv[1])
+    program = build + "/bin/rt"
     rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 5
     with tempfile.TemporaryDirectory() as work:
         write_mesh(f"{work}/knot.inc")
@@ -82,6 +98,7 @@ def main():
                 print(f"| {scene} | {share:.2f} % | {threads} | {theirs[0]:.3f} s | {ours[0]:.3f} s | "
                       f"{theirs[0] / ours[0]:.1f} | {theirs[1]:.3f} s | {ours[1]:.3f} s | {theirs[1] / ours[1]:.1f} |",
                       flush=True)
+    versus_embree(build, rounds)
 
 
 main()
