@@ -136,7 +136,7 @@ template <class V>
     const Wide u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
     const unsigned lanes = block.valid & ~(bitsLess(smaller(smaller(u, v), w), allWide(0)) &
                                            bitsLess(allWide(0), larger(larger(u, v), w)));
-    if (!lanes) return 0;
+    // Whether any is left nobody can foretell, and a branch less is worth the division.
     const Wide inverse = allWide(1) / ((u + v) + w);
     met.u = v * inverse;
     met.v = w * inverse;
