@@ -1,6 +1,6 @@
 // The octree against its definition, bit for bit, at every SIMD level that this CPU has.
 // RT_OCTREE_RAYS=1000000 runs the acceptance figure; the default is what CI can afford.
-#include "scenes.hpp"
+#include "on_mixed_scenes.hpp"
 
 #include <core/octree/octree.hpp>
 #include <core/parallel/parallel.hpp>
@@ -58,14 +58,7 @@ template <class Differs> std::size_t countDiffering(std::size_t rays, const Diff
     return std::accumulate(count.begin(), count.end(), std::size_t{0});
 }
 
-class Agreement : public testing::TestWithParam<int> {
-protected:
-    static const std::vector<Scene>& scenes() {
-        static const std::vector<Scene> all = mixedScenes();
-        return all;
-    }
-    const Scene& scene() const { return scenes()[static_cast<std::size_t>(GetParam())]; }
-};
+using Agreement = OnMixedScenes;
 
 TEST_P(Agreement, SceneIsBigEnough) { EXPECT_GE(scene().primitives->count(), 10000u); }
 

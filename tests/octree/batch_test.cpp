@@ -1,6 +1,6 @@
 // Batches of rays against one ray at a time, bit for bit, at every SIMD level that this CPU has.
 // RT_OCTREE_RAYS=1000000 runs more rays than CI can afford.
-#include "scenes.hpp"
+#include "on_mixed_scenes.hpp"
 
 #include <core/octree/octree.hpp>
 
@@ -113,14 +113,8 @@ std::vector<Ray> cameraRays(const Scene& scene, std::size_t count) {
     return rays;
 }
 
-class Batch : public testing::TestWithParam<int> {
+class Batch : public OnMixedScenes {
 protected:
-    static const std::vector<Scene>& scenes() {
-        static const std::vector<Scene> all = mixedScenes();
-        return all;
-    }
-    const Scene& scene() const { return scenes()[static_cast<std::size_t>(GetParam())]; }
-
     void expectSameBitsAtEveryLevel(const std::vector<Ray>& rays) {
         Primitives primitives = *scene().primitives;
         std::uint32_t material = 0;

@@ -1,5 +1,5 @@
 // Precision::f32: near the exact answers on ordinary rays, and one answer at every SIMD level.
-#include "scenes.hpp"
+#include "on_mixed_scenes.hpp"
 
 #include <core/geometry/bounds.hpp>
 #include <core/octree/octree.hpp>
@@ -27,13 +27,8 @@ bool same(const Hit& a, const Hit& b) {
     return a.id == b.id && a.t == b.t && a.u == b.u && a.v == b.v;
 }
 
-class F32 : public testing::TestWithParam<int> {
+class F32 : public OnMixedScenes {
 protected:
-    static const std::vector<Scene>& scenes() {
-        static const std::vector<Scene> all = mixedScenes();
-        return all;
-    }
-    const Scene& scene() const { return scenes()[static_cast<std::size_t>(GetParam())]; }
     Octree build(Simd simd = Simd::best) const {
         return Octree::build(*scene().primitives, {.precision = Precision::f32, .simd = simd});
     }
