@@ -10,9 +10,9 @@
 namespace rt::octree {
 namespace {
 
-constexpr std::uint32_t kTaskSize = 2048;       // smaller cells are built by one thread
-constexpr std::uint32_t kHandful = 256;         // cells that a task takes at a time
-constexpr std::uint32_t kLeastCutOfSpheres = 2; // octree_bench --spheres, random: 4 is 8 % slower
+constexpr std::uint32_t kTaskSize = 2048;     // smaller cells are built by one thread
+constexpr std::uint32_t kHandful = 256;       // cells that a task takes at a time
+constexpr std::uint32_t kLeastCutOfLoose = 2; // octree_bench, random spheres: 4 is 8 % slower
 // Of a cell that is one block: not cut when its parts' boxes have together no less surface. Cut all the same,
 // the bunny had 1.7 % more bytes, equal speed, and took 12 % longer to build (octree_bench).
 constexpr float kWorthCut = 1;
@@ -137,16 +137,25 @@ private:
             });
     }
 
-    /// More spheres than it is worth to leave together: the box of several is mostly empty.
-    static bool areLooseSpheres(const Range& range, const Reference* from) {
-        if (range.size() <= kLeastCutOfSpheres) return false;
+    /// More than it is worth to leave together: spheres, or triangles of which no two share a corner. The box
+    /// of several is mostly empty. `shared`: they lie in a cell that is one shared block.
+    bool areLoose(const Range& range, const Reference* from, bool shared) const {
+        if (range.size() <= kLeastCutOfLoose || shared) return false;
+        const std::uint32_t kind = from[range.begin].kind;
         for (std::uint32_t i = range.begin; i < range.end; ++i)
-            if (from[i].kind != static_cast<std::uint32_t>(geometry::Kind::sphere)) return false;
-        return true;
+            if (from[i].kind != kind) return false;
+        if (kind == static_cast<std::uint32_t>(geometry::Kind::sphere)) return true;
+        if (kind != static_cast<std::uint32_t>(geometry::Kind::triangle)) return false;
+        CornerSet corners;
+        for (std::uint32_t i = range.begin; i < range.end; ++i)
+            for (const std::uint32_t c :
+                 primitives_.triangles.indices[indexInKind(primitives_, from[i].id)])
+                corners.add(c);
+        return corners.size() == 3 * static_cast<int>(range.size());
     }
 
-    bool mayCut(const Range& range, const Reference* from, int depth) const {
-        if (depth >= kMaxDepth || (range.size() <= leastCut_ && !areLooseSpheres(range, from)))
+    bool mayCut(const Range& range, const Reference* from, int depth, bool shared) const {
+        if (depth >= kMaxDepth || (range.size() <= leastCut_ && !areLoose(range, from, shared)))
             return false;
         alignas(16) float side[4];
         _mm_store_ps(side, _mm_sub_ps(range.box.upper, range.box.lower));
@@ -175,7 +184,7 @@ private:
         const float leaf =
             range.size() <= maxObjects_ ? leafCost(first, last, cell.sharesBlock) : kInfinityF32;
         Cut cut;
-        if (mayCut(range, from, depth))
+        if (mayCut(range, from, depth, shares))
             cut = chooseCut(range, from, bins_, depth >= kBalancedDepth);
         if (cut && leaf <= blockCost_ &&
             cut.belowBox.area() + cut.aboveBox.area() >= kWorthCut * range.box.area())
