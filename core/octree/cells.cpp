@@ -69,6 +69,7 @@ public:
           leastCut_(
               std::min(std::max(1u, options.tuning.leastCut), std::max(1u, options.maxObjects))),
           bins_(std::clamp(options.tuning.bins, 2, kMostBins)),
+          fill_(options.simd == Simd::baseline ? baseline::fillBins : avx2::fillBins),
           blockCost_(options.tuning.blockCost), maxObjects_(std::max(1u, options.maxObjects)),
           minSize_(static_cast<float>(options.minSize * scale)) {
         other_.resize(count);
@@ -185,7 +186,7 @@ private:
             range.size() <= maxObjects_ ? leafCost(first, last, cell.sharesBlock) : kInfinityF32;
         Cut cut;
         if (mayCut(range, from, depth, shares))
-            cut = chooseCut(range, from, bins_, depth >= kBalancedDepth);
+            cut = chooseCut(range, from, bins_, fill_, depth >= kBalancedDepth);
         if (cut && leaf <= blockCost_ &&
             cut.belowBox.area() + cut.aboveBox.area() >= kWorthCut * range.box.area())
             cut.axis = -1;
@@ -266,6 +267,7 @@ private:
     Array<Reference> other_;
     const std::uint32_t leastCut_;
     const int bins_;
+    FillBins& fill_;
     const float blockCost_;
     const std::uint32_t maxObjects_;
     const float minSize_;

@@ -88,7 +88,7 @@ bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
 
 class Cells {
 public:
-    /// Sorts `references` into cells. `scale`: octree units per world unit.
+    /// Sorts `references` into cells. `scale`: octree units per world unit. options.simd: one that the CPU has.
     Cells(const geometry::Primitives& primitives, Array<Reference> references, std::uint32_t count,
           double scale, const BuildOptions& options);
     Cells(const Cells&) = delete;

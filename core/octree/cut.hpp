@@ -1,5 +1,6 @@
 // Where a cell of the octree is cut.
 #pragma once
+#include <core/octree/bins.hpp>
 #include <core/octree/box.hpp>
 #include <core/octree/cells.hpp>
 #include <core/parallel/parallel.hpp>
@@ -9,7 +10,6 @@
 
 namespace rt::octree {
 
-inline constexpr int kMostBins = 32;
 inline constexpr std::uint32_t kChunk = 16384; // of references, for parallel passes over one cell
 
 inline __m128 lowerOf(const Reference& r) { return _mm_load_ps(r.lower); }
@@ -43,7 +43,7 @@ struct Cut {
 /// Where it costs least by the surface area heuristic, on an axis that this level has left, or, where all
 /// centres agree on those, on one of the next level; none when all centres coincide. `balanced`: through the
 /// middle reference instead.
-Cut chooseCut(Range range, const Reference* from, int bins, bool balanced);
+Cut chooseCut(Range range, const Reference* from, int bins, FillBins& fill, bool balanced);
 
 /// Runs body(first, last, chunk) over the range in chunks whose bounds depend on the range alone.
 template <class Body> void overChunks(std::uint32_t begin, std::uint32_t end, const Body& body) {

@@ -231,8 +231,8 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
     impl.options = options;
     impl.segments = primitives.segments;
     impl.options.movable = options.movable && options.precision == Precision::exact;
-    impl.kernel =
-        &kernelOf(options.simd == Simd::best ? chosenLevel() : options.simd, options.precision);
+    if (options.simd == Simd::best) impl.options.simd = chosenLevel();
+    impl.kernel = &kernelOf(impl.options.simd, options.precision);
     TreeView& view = impl.view;
     const auto run = [&] {
         const bool movable = impl.options.movable;
@@ -241,7 +241,7 @@ Octree Octree::build(const Primitives& primitives, const BuildOptions& options) 
         view.scale = references.scale;
         view.inverseScale = 1 / references.scale;
         const Cells cells(primitives, std::move(references.bounded), references.boundedCount,
-                          references.scale, options);
+                          references.scale, impl.options);
         LeafFormat format{options.storage, options.precision};
         std::ranges::copy(references.center, format.center);
         format.scale = references.scale;
