@@ -26,9 +26,8 @@ template <int kAxes>
     const auto add = [&](const Reference& r, Sets& to) {
         const Ends ends(r);
         alignas(16) std::int32_t place[4];
-        _mm_store_si128(
-            reinterpret_cast<__m128i*>(place),
-            _mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(ends.twiceCenter, lower), factor)));
+        _mm_store_si128(reinterpret_cast<__m128i*>(place),
+                        _mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(ends.twiceCenter, lower), factor)));
         for (int a = 0; a < kAxes; ++a) {
             const std::int32_t at = place[axis[a]];
             to.boxes[a][at].add(ends);

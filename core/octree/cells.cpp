@@ -1,6 +1,7 @@
 #include <core/octree/cells.hpp>
 
 #include <core/octree/cut.hpp>
+#include <core/octree/prefetch.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -54,6 +55,8 @@ bool sharesBlock(const geometry::Primitives& primitives, const Reference* first,
     for (const Reference* r = first; r != last; ++r)
         if (r->kind != static_cast<std::uint32_t>(geometry::Kind::triangle)) return false;
     if (last - first <= kSharedLanes / 3) return true;
+    for (const Reference* r = first; r != last; ++r)
+        prefetchLines(primitives.triangles.indices[indexInKind(primitives, r->id)]);
     CornerSet corners;
     for (const Reference* r = first; r != last; ++r)
         for (const std::uint32_t c : primitives.triangles.indices[indexInKind(primitives, r->id)])

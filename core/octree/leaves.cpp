@@ -1,6 +1,7 @@
 #include <core/octree/leaves.hpp>
 
 #include <core/geometry/intersect.hpp>
+#include <core/octree/prefetch.hpp>
 
 #include <algorithm>
 #include <array>
@@ -210,6 +211,15 @@ LeafRecord LeafWriter::writeRecord(Tree& tree, Places& places, const LeafContent
     return record;
 }
 
+/// Asks for the corners of triangles, all at once: else each waits for those before it.
+void LeafWriter::fetchCorners(const std::uint32_t* ids, std::uint32_t count) const {
+    const auto& triangles = primitives_.triangles;
+    for (std::uint32_t i = 0; i < count; ++i) prefetchLines(triangles.indices[indexOf(ids[i])]);
+    for (std::uint32_t i = 0; i < count; ++i)
+        for (const std::uint32_t corner : triangles.indices[indexOf(ids[i])])
+            prefetchLines(triangles.positions[corner]);
+}
+
 /// `id`: room for `idLanes` ids; those beyond `count` are marked as unused.
 template <class Block>
 void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes,
@@ -219,6 +229,7 @@ void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLan
     for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
     std::sort(ids, ids + count);
     for (std::uint32_t i = 0; i < idLanes; ++i) id[i] = i < count ? ids[i] : kEmptyChild;
+    fetchCorners(ids, count);
     CornerSet corners;
     block.valid = (1u << count) - 1;
     for (auto& word : block.spare) word = 0;
@@ -240,6 +251,7 @@ template <class Block>
 void LeafWriter::fillTriangles(Block& block, const std::uint32_t* ids, std::uint32_t count) const {
     using Float = std::remove_reference_t<decltype(block.corner[0][0][0])>;
     const auto& triangles = primitives_.triangles;
+    fetchCorners(ids, count);
     clearSpare(block);
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
         block.id[lane] = lane < count ? ids[lane] : kEmptyChild;

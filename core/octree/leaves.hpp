@@ -48,6 +48,7 @@ public:
 private:
     Extent inFormat(Extent extent) const;
     bool isNarrow(const Reference* first, std::uint32_t count) const;
+    void fetchCorners(const std::uint32_t* ids, std::uint32_t count) const;
     template <class Block>
     void fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes, const Reference* first,
                     std::uint32_t count) const;
