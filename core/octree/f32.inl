@@ -580,11 +580,14 @@ template <bool kCount, Query kQuery>
             result |= take(tree, b, i, best);
             continue;
         }
-        const Crosser to{*b.sink, b.first + static_cast<unsigned>(i)};
-        Any any{tree, rays[i], b.exclude[i], last};
-        All all{tree, b.exclude[i], last, to};
-        const bool isEnded = kQuery == Query::any ? inRecord<kCount>(tree, leaf, f, any, visits)
-                                                  : inRecord<kCount>(tree, leaf, f, all, visits);
+        bool isEnded;
+        if (kQuery == Query::any) {
+            Any any{tree, rays[i], b.exclude[i], last};
+            isEnded = inRecord<kCount>(tree, leaf, f, any, visits);
+        } else {
+            All all{tree, b.exclude[i], last, {*b.sink, b.first + static_cast<unsigned>(i)}};
+            isEnded = inRecord<kCount>(tree, leaf, f, all, visits);
+        }
         result |= static_cast<unsigned>(isEnded) << i;
     }
     return result;

@@ -18,10 +18,12 @@ inline I64 load(const IntegerColumn& c, std::size_t i) {
     return *reinterpret_cast<const I64*>(c.at + i);
 }
 inline void store(IntegerColumn& c, std::size_t i, I64 v) { *reinterpret_cast<I64*>(c.at + i) = v; }
-/// At any address. (memcpy would go by way of the stack, in halves.)
-using F64Anywhere = F64 __attribute__((aligned(1), may_alias));
-inline F64 loadFrom(const void* p) { return *static_cast<const F64Anywhere*>(p); }
-inline void storeTo(void* p, F64 v) { *static_cast<F64Anywhere*>(p) = v; }
+/// At any address. (memcpy would go by way of the stack, in halves; clang ignores the alignment of a vector's alias.)
+struct __attribute__((packed, may_alias)) Anywhere {
+    F64 lanes;
+};
+inline F64 loadFrom(const void* p) { return static_cast<const Anywhere*>(p)->lanes; }
+inline void storeTo(void* p, F64 v) { static_cast<Anywhere*>(p)->lanes = v; }
 inline F64 all(double x) { return x - F64{}; }
 inline F64 select(I64 mask, F64 a, F64 b) { return mask ? a : b; }
 inline I64 bitsOf(F64 x) { return reinterpret_cast<I64>(x); }
