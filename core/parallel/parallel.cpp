@@ -146,7 +146,8 @@ public:
     ~HandlerStacks() override { observe(false); }
 
     void on_scheduler_entry(bool isWorker) override {
-        thread_local std::array<char, std::size_t{1} << 16> memory; // untouched until it is needed
+        // Untouched until it is needed.
+        alignas(16) thread_local std::array<char, std::size_t{1} << 16> memory;
         thread_local bool given = false;
         if (!isWorker || given) return;
         stack_t stack{};
