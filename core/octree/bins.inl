@@ -1,6 +1,8 @@
 // Included by what defines Boxes and Ends: see bins_baseline.cpp. Code compiled for AVX2 may share no inline function with
 // the rest, as in kernel.hpp.
 
+namespace {
+
 constexpr std::ptrdiff_t kWorthTwo = 512; // references
 
 struct Sets {
@@ -54,7 +56,9 @@ template <int kAxes>
         }
 }
 
-void fillAxes(const Reference* first, const Reference* last, const Scale& scale, unsigned axes,
+} // namespace
+
+void fillBins(const Reference* first, const Reference* last, const Scale& scale, unsigned axes,
               int count, Bins& bins) {
     int axis[3], n = 0;
     for (int a = 0; a < 3; ++a)

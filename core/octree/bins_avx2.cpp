@@ -31,13 +31,8 @@ struct Boxes {
     }
 };
 
-#include "bins.inl"
-
 } // namespace
 
-void fillBins(const Reference* first, const Reference* last, const Scale& scale, unsigned axes,
-              int count, Bins& bins) {
-    fillAxes(first, last, scale, axes, count, bins);
-}
+#include "bins.inl"
 
 } // namespace rt::octree::avx2

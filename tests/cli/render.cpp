@@ -348,7 +348,7 @@ TEST_F(Interrupt, TheSecondSignalEndsAtOnce) {
     const auto [outcome, seconds] = interrupt(kLong + " --size 4000x3000", {SIGINT, SIGINT});
     EXPECT_EQ(outcome.exitCode, 130);
     // ThreadSanitizer sleeps a second before the end.
-    EXPECT_TRUE(kSanitized || seconds < 1) << seconds;
+    EXPECT_TRUE(kThreadSanitized || seconds < 1) << seconds;
 }
 
 TEST_F(Interrupt, AnIgnoredSignalStaysIgnored) {
