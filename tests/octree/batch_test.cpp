@@ -273,6 +273,50 @@ TEST(BatchOf, RandomRaysInALargeTreeEqualsSingleRays) {
     }
 }
 
+/// Triangles that lie apart: shadow rays that start close together are traced together, wherever they are in the batch.
+TEST(BatchOf, ShadowRaysFromStrewnTrianglesEqualsSingleRays) {
+    Primitives p;
+    Random random(31);
+    std::vector<Vec3> positions;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (std::uint32_t i = 0; i < 6000; ++i) {
+        const Vec3 center = random.inBox(1);
+        for (int c = 0; c < 3; ++c) positions.push_back(center + random.inBox(0.03));
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    addMesh(p, positions, triangles);
+    const Vec3 light(3, 2, 4);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 2500; ++i) {
+        Ray ray;
+        ray.origin = random.inBox(1);
+        ray.direction = light - ray.origin;
+        ray.tMax = 1;
+        rays.push_back(ray);
+    }
+    rays[7].origin.x = std::nan("");
+    rays[1100].origin.y = HUGE_VAL;
+    for (const Simd simd : kLevels) {
+        if (!Octree::supports(simd)) continue;
+        const Octree tree = Octree::build(p, {.simd = simd});
+        std::vector<std::uint8_t> answers(rays.size(), 2);
+        octree::Visits together, inPieces;
+        tree.occluded(rays, answers, Coherence::coherent, &together);
+        std::size_t blocked = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(tree.occluded(rays[i]), answers[i]) << "ray " << i;
+            blocked += answers[i];
+        }
+        EXPECT_GT(blocked, rays.size() / 10);
+        EXPECT_LT(blocked, rays.size() - rays.size() / 10);
+        constexpr std::size_t kPiece = 125; // too few to sort
+        for (std::size_t i = 0; i < rays.size(); i += kPiece)
+            tree.occluded(std::span(rays).subspan(i, kPiece), std::span(answers).subspan(i, kPiece),
+                          Coherence::coherent, &inPieces);
+        EXPECT_LT(together.nodes, inPieces.nodes * 9 / 10);
+    }
+}
+
 /// Visits of a batch are of all its rays, and at most those of the rays alone.
 TEST(BatchOf, VisitsAreCounted) {
     const Scene scene = std::move(mixedScenes()[0]);
