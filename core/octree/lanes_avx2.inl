@@ -311,8 +311,9 @@ inline __m256i compressing(unsigned mask) {
 }
 
 /// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
-inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, std::size_t& top) {
+[[gnu::always_inline]] inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter,
+                                                    unsigned mask, std::uint32_t* references,
+                                                    float* enters, std::size_t& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     const std::uint32_t next = node.child[nearest];
     mask &= ~(1u << nearest);
@@ -330,8 +331,9 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
 }
 
 /// Puts slots of a node on the stack, farthest first, as base + slot.
-inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
-                      std::uint32_t* references, float* enters, std::size_t& top) {
+[[gnu::always_inline]] inline void pushSlots(const Order& order, std::uint32_t base, F32 enter,
+                                             unsigned mask, std::uint32_t* references,
+                                             float* enters, std::size_t& top) {
     const __m256i wanted = _mm256_and_si256(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
     const unsigned m = static_cast<unsigned>(
         _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(wanted, order.bit))));
@@ -343,8 +345,8 @@ inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigne
 }
 
 /// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references,
-                             std::size_t& top) {
+[[gnu::always_inline]] inline std::uint32_t pushAny(const Node& node, unsigned mask,
+                                                    std::uint32_t* references, std::size_t& top) {
     const std::uint32_t next = node.child[__builtin_ctz(mask)];
     mask &= mask - 1;
     if (!mask) return next;
