@@ -81,12 +81,22 @@ public:
     }
 
     std::uint32_t root(std::uint32_t count) {
-        std::vector<Box> parts((count + kChunk - 1) / kChunk);
+        struct Part {
+            Box box, centers;
+        };
+        std::vector<Part> parts((count + kChunk - 1) / kChunk);
         overChunks(0, count, [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
-            for (std::uint32_t k = first; k < last; ++k) parts[i].add(boxOf(references_[k]));
+            for (std::uint32_t k = first; k < last; ++k) {
+                const __m128 center = twiceCenter(references_[k]);
+                parts[i].box.add(boxOf(references_[k]));
+                parts[i].centers.add(center, center);
+            }
         });
-        Range all{parts[0], 0, count, 7};
-        for (const Box& part : parts) all.box.add(part);
+        Range all{{}, {}, 0, count, 7};
+        for (const Part& part : parts) {
+            all.box.add(part.box);
+            all.centers.add(part.centers);
+        }
         Handful handful;
         return build(all, references_, false, 0, handful);
     }
@@ -105,13 +115,19 @@ private:
         return handful.next++;
     }
 
+    /// Around the doubled centres on both sides of a cut.
+    struct Sides {
+        Box below, above;
+    };
+
     /// Both sides keep their order.
-    static void partition(const Range& range, const Cut& cut, const Reference* from,
-                          Reference* to) {
+    static Sides partition(const Range& range, const Cut& cut, const Reference* from,
+                           Reference* to) {
         const auto move = [&](std::uint32_t first, std::uint32_t last, std::uint32_t below,
                               std::uint32_t above) {
+            Sides sides;
             for (std::uint32_t k = first; k < last; ++k) {
-                const __m128 l = lowerOf(from[k]), u = upperOf(from[k]);
+                const __m128 l = lowerOf(from[k]), u = upperOf(from[k]), center = _mm_add_ps(l, u);
                 // Which side it is nobody can foretell: no branch may depend on it.
                 const std::uint32_t isBelow = cut.isBelow(from[k]), side = 0 - isBelow;
                 Reference& r = to[(below & side) | (above & ~side)];
@@ -119,7 +135,17 @@ private:
                 above += 1 - isBelow;
                 _mm_store_ps(r.lower, l);
                 _mm_store_ps(r.upper, u);
+                // NaN on the other side, which these leave out.
+                const auto add = [&](Box& box, std::uint32_t isOther) {
+                    const __m128 c = _mm_or_ps(
+                        center, _mm_castsi128_ps(_mm_set1_epi32(static_cast<int>(isOther))));
+                    box.lower = _mm_min_ps(c, box.lower);
+                    box.upper = _mm_max_ps(c, box.upper);
+                };
+                add(sides.below, ~side);
+                add(sides.above, side);
             }
+            return sides;
         };
         if (range.size() <= kChunk)
             return move(range.begin, range.end, range.begin, range.begin + cut.below);
@@ -136,11 +162,19 @@ private:
             below += n;
             n = start;
         }
-        overChunks(
-            range.begin, range.end, [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
-                move(first, last, belows[i],
-                     range.begin + cut.below + (first - range.begin) - (belows[i] - range.begin));
-            });
+        std::vector<Sides> parts(belows.size());
+        overChunks(range.begin, range.end,
+                   [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
+                       parts[i] = move(first, last, belows[i],
+                                       range.begin + cut.below + (first - range.begin) -
+                                           (belows[i] - range.begin));
+                   });
+        Sides all;
+        for (const Sides& part : parts) {
+            all.below.add(part.below);
+            all.above.add(part.above);
+        }
+        return all;
     }
 
     /// More than it is worth to leave together: spheres, or triangles of which no two share a corner. The box
@@ -199,13 +233,13 @@ private:
             cut.axis = -1;
         if (cut) {
             Reference* const to = from == references_ ? other_.data() : references_;
-            partition(range, cut, from, to);
+            const Sides centers = partition(range, cut, from, to);
             cell.axis = static_cast<std::uint8_t>(cut.axis);
             const unsigned left = (range.open >> cut.axis & 1 ? range.open : 7) & ~(1u << cut.axis);
             const unsigned open = left ? left : 7;
             const std::uint32_t middle = range.begin + cut.below;
-            const Range below{cut.belowBox, range.begin, middle, open},
-                above{cut.aboveBox, middle, range.end, open};
+            const Range below{cut.belowBox, centers.below, range.begin, middle, open},
+                above{cut.aboveBox, centers.above, middle, range.end, open};
             std::uint32_t b, a;
             if (std::min(below.size(), above.size()) > kTaskSize) {
                 parallel::invoke([&] { b = build(below, to, false, depth + 1, handful); },

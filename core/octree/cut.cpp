@@ -132,35 +132,6 @@ void merge(const Bins& from, unsigned axes, int count, Bins& to) {
             }
 }
 
-Centers centersOf(const Range& range, const Reference* from) {
-    std::vector<Box> parts;
-    Box all;
-    const auto add = [&](std::uint32_t first, std::uint32_t last, Box& to) {
-        Box box[2]; // two chains of operations that wait for each other
-        for (std::uint32_t k = first; k < last; k += 2)
-            for (std::uint32_t i = 0; i < 2; ++i) {
-                const __m128 c = twiceCenter(from[std::min(k + i, last - 1)]);
-                box[i].add(c, c);
-            }
-        to = box[0];
-        to.add(box[1]);
-    };
-    if (range.size() <= kChunk) {
-        add(range.begin, range.end, all);
-    } else {
-        parts.resize((range.size() + kChunk - 1) / kChunk);
-        overChunks(range.begin, range.end,
-                   [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
-                       add(first, last, parts[i]);
-                   });
-        for (const Box& part : parts) all.add(part);
-    }
-    Centers centers;
-    _mm_store_ps(centers.lower, all.lower);
-    _mm_store_ps(centers.upper, all.upper);
-    return centers;
-}
-
 /// The cheapest plane on the open axes, between bins.
 Cut cheapestCut(const Range& range, const Centers& centers, const Reference* from, int count,
                 FillBins& fill) {
@@ -303,7 +274,9 @@ Cut medianCut(const Range& range, const Centers& all, const Reference* from) {
 } // namespace
 
 Cut chooseCut(Range range, const Reference* from, int bins, FillBins& fill, bool balanced) {
-    const Centers centers = centersOf(range, from);
+    Centers centers;
+    _mm_store_ps(centers.lower, range.centers.lower);
+    _mm_store_ps(centers.upper, range.centers.upper);
     for (;;) {
         Cut cut;
         if (!balanced)

@@ -20,7 +20,7 @@ inline float twiceCenter(const Reference& r, int axis) { return r.lower[axis] + 
 
 /// A cell on its way.
 struct Range {
-    Box box;
+    Box box, centers; // `centers`: around doubled centres
     std::uint32_t begin, end;
     unsigned open; // bit per axis that this level of the octree has still to cut
 
