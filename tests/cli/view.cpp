@@ -282,7 +282,8 @@ TEST_F(View, WindowUnderXvfbTakesKeysMouseReloadAndClose) {
         return run({"view", "scene.yaml"}, options);
     };
     end = [&](const std::string& window) { xdotool("key --window " + window + " Escape"); };
-    EXPECT_EQ(view().exitCode, 0);
+    const Outcome first = view();
+    EXPECT_EQ(first.exitCode, 0) << first.err;
     for (const char* const n : {"1", "2", "3", "4"})
         std::filesystem::remove(folder_ / ("scene-view-000" + std::string(n) + ".png"));
     end = [&](const std::string& window) { pressCloseButton(display, window); };
