@@ -81,10 +81,10 @@ public:
     }
 
     std::uint32_t root(std::uint32_t count) {
-        struct Part {
+        struct Bounds {
             Box box, centers;
         };
-        std::vector<Part> parts((count + kChunk - 1) / kChunk);
+        std::vector<Bounds> parts((count + kChunk - 1) / kChunk);
         overChunks(0, count, [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
             for (std::uint32_t k = first; k < last; ++k) {
                 const __m128 center = twiceCenter(references_[k]);
@@ -93,7 +93,7 @@ public:
             }
         });
         Range all{{}, {}, 0, count, 7};
-        for (const Part& part : parts) {
+        for (const Bounds& part : parts) {
             all.box.add(part.box);
             all.centers.add(part.centers);
         }
