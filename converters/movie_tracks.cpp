@@ -101,11 +101,11 @@ public:
             append(animation, "frames", numberNode(1, movieFile));
         }
         if (tracks.items.empty()) {
-            for (std::string& line : held_) animation.commentsAtEnd.push_back(std::move(line));
-            for (std::string& line : tail) animation.commentsAtEnd.push_back(std::move(line));
+            for (std::string& line : held_) animation.comments->atEnd.push_back(std::move(line));
+            for (std::string& line : tail) animation.comments->atEnd.push_back(std::move(line));
         } else {
-            for (std::string& line : held_) tracks.commentsAtEnd.push_back(std::move(line));
-            for (std::string& line : tail) tracks.commentsAtEnd.push_back(std::move(line));
+            for (std::string& line : held_) tracks.comments->atEnd.push_back(std::move(line));
+            for (std::string& line : tail) tracks.comments->atEnd.push_back(std::move(line));
             append(animation, "tracks", std::move(tracks));
         }
         return animation;
@@ -121,9 +121,9 @@ private:
             return;
         }
         for (Node& track : trackNodes(statement, diagnostics_, held_)) {
-            track.commentsBefore = std::move(held_);
+            track.comments->before = std::move(held_);
             held_.clear();
-            if (commented.after) track.commentAfter = commentText(commented.after->text);
+            if (commented.after) track.comments->after = commentText(commented.after->text);
             tracks.items.push_back(std::move(track));
         }
     }
@@ -184,8 +184,8 @@ private:
                               "this 'movie' line replaces the one before it");
             std::erase_if(animation.members, [&](Node::Member& member) {
                 if (member.key == "frames")
-                    held_.insert(held_.begin(), member.value.commentsBefore.begin(),
-                                 member.value.commentsBefore.end());
+                    held_.insert(held_.begin(), member.value.comments->before.begin(),
+                                 member.value.comments->before.end());
                 return member.key == "frames" || member.key == "fps";
             });
         }
@@ -204,9 +204,9 @@ private:
                               shortest(steps.value) + " steps: frames is " +
                               shortest(steps.value + 1));
         Node& frames = append(animation, "frames", numberNode(steps.value + 1, steps.location));
-        frames.commentsBefore = std::move(held_);
+        frames.comments->before = std::move(held_);
         held_.clear();
-        if (commented.after) frames.commentAfter = commentText(commented.after->text);
+        if (commented.after) frames.comments->after = commentText(commented.after->text);
         append(animation, "fps", numberNode(fps));
     }
 

@@ -108,8 +108,8 @@ public:
     }
 
     Node convert(SceneText text) {
-        root_.commentsBefore = {"yaml-language-server: $schema=./rt.schema.json",
-                                "$schema: ./rt.schema.json"};
+        root_.comments->before = {"yaml-language-server: $schema=./rt.schema.json",
+                                  "$schema: ./rt.schema.json"};
         append(root_, "rt", numberNode(1, root_.location));
         collect(text);
         for (const Entry& entry : text.statements) {
@@ -251,7 +251,7 @@ private:
         const bool list = key == "objects" || key == "lights";
         Node& created =
             append(root_, key, list ? sequenceNode(false, location) : mapNode(false, location));
-        comments_.moveTo(created.commentsBefore, "");
+        comments_.moveTo(created.comments->before, "");
         return created;
     }
 
@@ -359,21 +359,21 @@ private:
 
     /// The comments of `entry` above `node` and beside it.
     void comment(Node& node, const Entry& entry) {
-        for (std::string& line : nextComments_) node.commentsBefore.push_back(std::move(line));
+        for (std::string& line : nextComments_) node.comments->before.push_back(std::move(line));
         nextComments_.clear();
-        if (entry.after) node.commentAfter = commentText(entry.after->text);
+        if (entry.after) node.comments->after = commentText(entry.after->text);
     }
 
     void placeRemainingComments() {
         for (const std::string_view key : {"textures", "lights", "materials", "objects"}) {
-            if (Node* list = findSection(key)) comments_.moveTo(list->commentsAtEnd, key);
+            if (Node* list = findSection(key)) comments_.moveTo(list->comments->atEnd, key);
         }
         for (const auto& [key, lines] : comments_.all()) {
-            if (!key.empty()) root_.commentsAtEnd.push_back(key + ":");
+            if (!key.empty()) root_.comments->atEnd.push_back(key + ":");
             for (const std::string& line : lines)
-                root_.commentsAtEnd.push_back((key.empty() ? "" : "  ") + line);
+                root_.comments->atEnd.push_back((key.empty() ? "" : "  ") + line);
         }
-        for (std::string& line : nextComments_) root_.commentsAtEnd.push_back(std::move(line));
+        for (std::string& line : nextComments_) root_.comments->atEnd.push_back(std::move(line));
     }
 
     // ---- statements ----------------------------------------------------------------------------------------
@@ -446,13 +446,13 @@ private:
     /// The section `key`, now `value` under the comments that already stand above it.
     Node& setSection(std::string_view key, const Location& place, Node value) {
         Node& target = section(key, place);
-        value.commentsBefore = std::move(target.commentsBefore);
+        value.comments->before = std::move(target.comments->before);
         return target = std::move(value);
     }
 
     void addItem(std::string_view key, Node value, const Entry& entry) {
         Node& list = section(key, entry.statement.spelled.location);
-        comments_.moveTo(value.commentsBefore, key);
+        comments_.moveTo(value.comments->before, key);
         comment(value, entry);
         list.items.push_back(std::move(value));
     }
@@ -616,7 +616,7 @@ private:
         Node camera = cameraNode(statement, shrink);
         if (shrink != 1) {
             const std::string stated = shortest(n[0].value) + " x " + shortest(n[1].value);
-            camera.members.back().value.commentAfter = "stated as " + stated;
+            camera.members.back().value.comments->after = "stated as " + stated;
             std::string message =
                 "upward is not perpendicular to forward, so the original's screen was not " +
                 stated + " but " + shortest(shrink) + " times that, which is written";
@@ -692,7 +692,7 @@ private:
             diagnostics_.warning(word.location, "there is no file " + quoted(path.local));
         Node& textures = section("textures", entry.statement.spelled.location);
         Node texture = textureNode(word, path);
-        comments_.moveTo(texture.commentsBefore, "textures");
+        comments_.moveTo(texture.comments->before, "textures");
         comment(texture, entry);
         append(textures, textures_[textures.members.size()], std::move(texture));
     }

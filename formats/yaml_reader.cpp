@@ -342,7 +342,7 @@ bool checkEncoding(const std::shared_ptr<const scene::Source>& source, Diagnosti
 }
 
 /// yaml-cpp holds a token for every bracket of a line that is still open, before it tells anybody:
-/// 16 MiB of '[' would take 2.7 GB. Quotes and comments are not told apart here, so the limit is
+/// 8 MiB of '[' would take 1.3 GB. Quotes and comments are not told apart here, so the limit is
 /// far above any limit of nesting.
 bool checkOpenBrackets(const std::shared_ptr<const scene::Source>& source,
                        Diagnostics& diagnostics) {

@@ -109,10 +109,10 @@ std::string keyText(const std::string& key) {
 
 bool hasInnerComments(const Node& node) {
     const auto commented = [](const Node& child) {
-        return !child.commentsBefore.empty() || !child.commentAfter.empty() ||
+        return !child.comments->before.empty() || !child.comments->after.empty() ||
                hasInnerComments(child);
     };
-    return !node.commentsAtEnd.empty() ||
+    return !node.comments->atEnd.empty() ||
            std::any_of(node.items.begin(), node.items.end(), commented) ||
            std::any_of(node.members.begin(), node.members.end(),
                        [&](const Node::Member& member) { return commented(member.value); });
@@ -153,7 +153,7 @@ public:
     std::string text;
 
     void writeRoot(const Node& root) {
-        writeComments(root.commentsBefore, 0);
+        writeComments(root.comments->before, 0);
         if (isBlock(root, 0)) {
             writeBlock(root, 0);
         } else {
@@ -171,7 +171,7 @@ private:
             inline_ = node.kind == Kind::null ? "~" : scalarText(node, false);
             return false;
         }
-        if (node.items.empty() && node.members.empty() && node.commentsAtEnd.empty()) {
+        if (node.items.empty() && node.members.empty() && node.comments->atEnd.empty()) {
             inline_ = node.kind == Kind::map ? "{}" : "[]";
             return false;
         }
@@ -213,13 +213,13 @@ private:
     void writeBlock(const Node& node, std::size_t indent) {
         for (const Node::Member& member : node.members) writeMember(member, indent, false);
         for (const Node& item : node.items) writeItem(item, indent);
-        writeComments(node.commentsAtEnd, indent);
+        writeComments(node.comments->atEnd, indent);
     }
 
     /// isInItem: the key stands behind a "- ", and its comments have been written.
     void writeMember(const Node::Member& member, std::size_t indent, bool isInItem) {
         if (!isInItem) {
-            writeComments(member.value.commentsBefore, indent);
+            writeComments(member.value.comments->before, indent);
             text.append(indent, ' ');
         }
         const std::string key = keyText(member.key);
@@ -234,13 +234,13 @@ private:
     }
 
     void writeItem(const Node& item, std::size_t indent) {
-        writeComments(item.commentsBefore, indent);
+        writeComments(item.comments->before, indent);
         const bool isMap = item.kind == Kind::map && !item.members.empty();
         const bool block = isBlock(item, indent + kStep);
         const std::string inlineText = inline_;
         if (block && isMap) {
-            writeComments(item.members.front().value.commentsBefore, indent);
-            const bool hasOwnLine = !item.commentAfter.empty();
+            writeComments(item.members.front().value.comments->before, indent);
+            const bool hasOwnLine = !item.comments->after.empty();
             text.append(indent, ' ');
             text += "-";
             if (hasOwnLine) {
@@ -251,7 +251,7 @@ private:
             }
             for (std::size_t i = 0; i < item.members.size(); ++i)
                 writeMember(item.members[i], indent + kStep, i == 0);
-            writeComments(item.commentsAtEnd, indent + kStep);
+            writeComments(item.comments->atEnd, indent + kStep);
             return;
         }
         text.append(indent, ' ');
@@ -268,7 +268,7 @@ private:
     }
 
     void writeCommentAfter(const Node& node) {
-        if (!node.commentAfter.empty()) text += "  " + comment(node.commentAfter);
+        if (!node.comments->after.empty()) text += "  " + comment(node.comments->after);
         text += '\n';
     }
 

@@ -328,7 +328,7 @@ apart.)"},
     {Code{703}, "out of memory",
      R"(There is not enough memory, or not as much as --limit-memory allows. Nothing was written.)"},
     {Code{710}, "file too large",
-     R"(Scenes have at most 16 MiB, mesh files 4 GiB; --limit-file says otherwise. Large geometry belongs
+     R"(Scenes have at most 8 MiB, mesh files 4 GiB; --limit-file says otherwise. Large geometry belongs
 into mesh files.)"},
     {Code{711}, "nested too deeply",
      R"(Lists and maps of a scene are nested at most 64 deep; --limit-nesting says otherwise.)"},

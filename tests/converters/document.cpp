@@ -72,7 +72,7 @@ TEST(InfDocument, TheScreenIsTheEffectiveOne) {
         convertText("window 64 48\nscene 0 0 0 9 9 9\ncamera 8 6 5 1 1 1 0 4 3 0 0 1\n");
     EXPECT_EQ(flowText(converted.at("camera.screen")),
               "{width: 6.4, height: 4.800000000000001, distance: 5}");
-    EXPECT_EQ(converted.at("camera.screen").commentAfter, "stated as 8 x 6");
+    EXPECT_EQ(converted.at("camera.screen").comments->after, "stated as 8 x 6");
     EXPECT_THAT(converted.notes(), Contains("3:8 upward is not perpendicular to forward, so the "
                                             "original's screen was not 8 x 6 but 0.8 "
                                             "times that, which is written"));
@@ -164,14 +164,14 @@ TEST(InfDocument, CommentsStandBesideWhatTheyCommented) {
                                             "9 9 9\ncamera 8 6 6 1 1 1 0 1 0 0 0 1\n"
                                             "#how deep\ndepth 3\n#things\n" +
                                             kSphere + "# the end\n");
-    EXPECT_THAT(converted.at("image").commentsBefore, ElementsAre("Window"));
-    EXPECT_EQ(converted.at("image").commentAfter, "small");
-    EXPECT_THAT(converted.at("bounds").commentsBefore, ElementsAre("the box"));
-    EXPECT_THAT(converted.at("render.depth").commentsBefore, ElementsAre("how deep"));
-    EXPECT_THAT(converted.at("objects.0").commentsBefore, ElementsAre("things"));
-    EXPECT_THAT(converted.at("").commentsAtEnd, ElementsAre("the end"));
+    EXPECT_THAT(converted.at("image").comments->before, ElementsAre("Window"));
+    EXPECT_EQ(converted.at("image").comments->after, "small");
+    EXPECT_THAT(converted.at("bounds").comments->before, ElementsAre("the box"));
+    EXPECT_THAT(converted.at("render.depth").comments->before, ElementsAre("how deep"));
+    EXPECT_THAT(converted.at("objects.0").comments->before, ElementsAre("things"));
+    EXPECT_THAT(converted.at("").comments->atEnd, ElementsAre("the end"));
     EXPECT_THAT(
-        converted.at("").commentsBefore,
+        converted.at("").comments->before,
         ElementsAre("yaml-language-server: $schema=./rt.schema.json", "$schema: ./rt.schema.json"));
 }
 
@@ -182,26 +182,26 @@ TEST(InfDocument, CommentedOutStatementsAreCommentedYaml) {
                     " 0.5 0.5 0.5 0.25 0.25 0.25 0 0 0 0 0 0 0 0 0 -1 5\n#lamps\n#rs 1 2 3 1 1 "
                     "1\nrs 4 5 6 1 1 1\n"
                     "#rs 7 8 9 1 1 1 0.5\n#save out.bmp\nsave out.png\n#depth is 3\n");
-    EXPECT_THAT(converted.at("materials").commentsBefore,
+    EXPECT_THAT(converted.at("materials").comments->before,
                 ElementsAre("camera: {position: [0, 0, 0], forward: [0, 1, 0], up: [0, 0, 1], "
                             "screen: {width: 1, height: 1, distance: 1}}"));
-    EXPECT_THAT(converted.at("objects.0").commentsBefore,
+    EXPECT_THAT(converted.at("objects.0").comments->before,
                 ElementsAre("four balls",
                             "- sphere: {center: [50, 50, 50], radius: 4, material: matte_0}"));
-    EXPECT_THAT(converted.at("objects").commentsAtEnd,
+    EXPECT_THAT(converted.at("objects").comments->atEnd,
                 ElementsAre("- sphere: {center: [5, 6, 7], radius: 8, material: matte_1}"));
-    EXPECT_THAT(converted.at("materials").commentsAtEnd,
+    EXPECT_THAT(converted.at("materials").comments->atEnd,
                 ElementsAre("matte_1: {color: [0.5, 0.5, 0.5], diffuse: 0.25, shininess: 5}"));
-    EXPECT_THAT(converted.at("lights.0").commentsBefore,
+    EXPECT_THAT(converted.at("lights.0").comments->before,
                 ElementsAre("lamps", "- point: {position: [1, 2, 3], color: [1, 1, 1]}"));
-    EXPECT_THAT(converted.at("lights").commentsAtEnd,
+    EXPECT_THAT(converted.at("lights").comments->atEnd,
                 ElementsAre("- point: {position: [7, 8, 9], color: [1, 1, 1], brightness: 0.5}"));
-    EXPECT_THAT(converted.at("image.file").commentsBefore, ElementsAre("file: out.bmp"));
-    EXPECT_THAT(converted.at("").commentsAtEnd, ElementsAre("depth is 3"));
+    EXPECT_THAT(converted.at("image.file").comments->before, ElementsAre("file: out.bmp"));
+    EXPECT_THAT(converted.at("").comments->atEnd, ElementsAre("depth is 3"));
 }
 
 TEST(InfDocument, CommentedOutLightsOfASceneWithoutLights) {
-    EXPECT_THAT(convertText(kHead + kSphere + "#rs 1 2 3 1 1 1\n").at("").commentsAtEnd,
+    EXPECT_THAT(convertText(kHead + kSphere + "#rs 1 2 3 1 1 1\n").at("").comments->atEnd,
                 ElementsAre("lights:", "  - point: {position: [1, 2, 3], color: [1, 1, 1]}"));
 }
 
@@ -337,13 +337,13 @@ TEST(InfMovies, SpheresDoNotTurnAboutThemselves) {
     EXPECT_EQ(tracksOf(converted).size(), 1u);
     EXPECT_THAT(converted.notes(),
                 Contains("2:1 rotateSelf does nothing to the sphere 'sphere_0'; left out"));
-    EXPECT_THAT(converted.at("animation.tracks.0").commentsBefore,
+    EXPECT_THAT(converted.at("animation.tracks.0").comments->before,
                 ElementsAre("0-1 rotateSelf 1 0 6"));
 }
 
 TEST(InfMovies, MotionsOfNoFramesAreComments) {
     const Converted converted = convertFilm("movie 12 24\n0 move 1 2 3 6 6\n");
-    EXPECT_THAT(converted.at("animation").commentsAtEnd, ElementsAre("0 move 1 2 3 6 6"));
+    EXPECT_THAT(converted.at("animation").comments->atEnd, ElementsAre("0 move 1 2 3 6 6"));
     EXPECT_THAT(converted.notes(),
                 Contains("2:1 nothing happens from frame 6 to 6; kept as a comment"));
 }
@@ -353,15 +353,15 @@ TEST(InfMovies, CommentsStandBesideTheirTracks) {
         convertFilm("#Movie\nmovie 12 24 # short\n\n#movements\n0 move 1 2 3 0 6 # first\n#1 move "
                     "4 5 6 0 6\n#camera u "
                     "rotate 1 2 3 0 0 1 3 0 6\n0 move 1 2 3 6 8\n#back 1 2 3\n# the end\n");
-    EXPECT_THAT(converted.at("animation.frames").commentsBefore, ElementsAre("Movie"));
-    EXPECT_EQ(converted.at("animation.frames").commentAfter, "short");
-    EXPECT_THAT(converted.at("animation.tracks.0").commentsBefore, ElementsAre("movements"));
-    EXPECT_EQ(converted.at("animation.tracks.0").commentAfter, "first");
-    EXPECT_THAT(converted.at("animation.tracks.1").commentsBefore,
+    EXPECT_THAT(converted.at("animation.frames").comments->before, ElementsAre("Movie"));
+    EXPECT_EQ(converted.at("animation.frames").comments->after, "short");
+    EXPECT_THAT(converted.at("animation.tracks.0").comments->before, ElementsAre("movements"));
+    EXPECT_EQ(converted.at("animation.tracks.0").comments->after, "first");
+    EXPECT_THAT(converted.at("animation.tracks.1").comments->before,
                 ElementsAre("- {target: sphere_1, move: {position: [4, 5, 6]}, frames: [0, 6]}",
                             "- {target: camera.top, rotate: {center: [1, 2, 3], axis: [0, 0, 1], "
                             "angle: -3rad}, frames: [0, 6]}"));
-    EXPECT_THAT(converted.at("animation.tracks").commentsAtEnd,
+    EXPECT_THAT(converted.at("animation.tracks").comments->atEnd,
                 ElementsAre("- {background: b, frames: [2, 3]}", "the end"));
 }
 

@@ -30,14 +30,14 @@ TEST(InfReading, AByteOrderMarkIsNoKeyword) {
 TEST(InfReading, ChineseCommentsAreKept) {
     // GB18030 for 球, as a Chinese Windows writes it.
     const Converted converted = convertText(kHead + "#\xC7\xF2\n" + kSphere);
-    EXPECT_THAT(converted.at("objects.0").commentsBefore, ElementsAre("球"));
+    EXPECT_THAT(converted.at("objects.0").comments->before, ElementsAre("球"));
     EXPECT_THAT(converted.notes(),
                 Contains("- the file is not UTF-8; it is read as GB18030 (Chinese)"));
 }
 
 TEST(InfReading, BytesOfNoEncodingAreKeptAsLatin) {
     const Converted converted = convertText(kHead + "#caf\xE9 \xFF\n" + kSphere);
-    EXPECT_THAT(converted.at("objects.0").commentsBefore, ElementsAre("café ÿ"));
+    EXPECT_THAT(converted.at("objects.0").comments->before, ElementsAre("café ÿ"));
 }
 
 TEST(InfReading, ControlCharactersInCommentsAreEscaped) {
@@ -46,7 +46,7 @@ TEST(InfReading, ControlCharactersInCommentsAreEscaped) {
                             "b\n" +
                             kSphere)
                     .at("objects.0")
-                    .commentsBefore,
+                    .comments->before,
                 ElementsAre("a\\x01b"));
 }
 
@@ -74,8 +74,8 @@ TEST(InfReading, NumbersAreWrittenShortestRoundTrip) {
 }
 
 TEST(InfReading, CommentsMayTouchTheWordBefore) {
-    EXPECT_EQ(convertText(kHead + "depth 3#three\n").at("render.depth").commentAfter, "three");
-    EXPECT_EQ(convertText(kHead + "depth 3 #three\n").at("render.depth").commentAfter, "three");
+    EXPECT_EQ(convertText(kHead + "depth 3#three\n").at("render.depth").comments->after, "three");
+    EXPECT_EQ(convertText(kHead + "depth 3 #three\n").at("render.depth").comments->after, "three");
 }
 
 TEST(InfReading, TrailingNames) {
@@ -109,7 +109,7 @@ TEST(InfReading, NamesAreMadeFitAndUnique) {
 TEST(InfReading, TheLastOfASettingWins) {
     const Converted converted = convertText(kHead + "depth 3\ndepth 4\n");
     EXPECT_EQ(converted.at("render.depth").text, "4");
-    EXPECT_THAT(converted.at("render.depth").commentsBefore, ElementsAre("depth 3"));
+    EXPECT_THAT(converted.at("render.depth").comments->before, ElementsAre("depth 3"));
     EXPECT_THAT(converted.notes(), Contains("4:1 line 5 replaces this 'depth'; kept as a comment"));
 }
 
@@ -171,7 +171,7 @@ TEST(InfLenient, AMissingMovieIsAStillPicture) {
     const Converted converted = lenient(kHead + "movie gone.inf\ndepth 3\n");
     ASSERT_TRUE(converted.document);
     EXPECT_EQ(converted.document->find("animation"), nullptr);
-    EXPECT_THAT(converted.at("render.depth").commentsBefore, ElementsAre("movie gone.inf"));
+    EXPECT_THAT(converted.at("render.depth").comments->before, ElementsAre("movie gone.inf"));
 }
 
 TEST(InfLenient, MovieLinesThatMeanNothingAreLeftOut) {
@@ -185,7 +185,7 @@ TEST(InfLenient, MovieLinesThatMeanNothingAreLeftOut) {
     EXPECT_EQ(converted.at("animation.tracks.0.target").items.size(), 2u);
     EXPECT_THAT(converted.notes(), Contains("2:3 unknown motion 'spin'; the line is left out"));
     EXPECT_THAT(converted.notes(), Contains(HasSubstr("3:1 there is no object 2")));
-    EXPECT_THAT(converted.at("animation.tracks").commentsAtEnd, ElementsAre("5 move 1 2 3 0 4"));
+    EXPECT_THAT(converted.at("animation.tracks").comments->atEnd, ElementsAre("5 move 1 2 3 0 4"));
 }
 
 TEST(InfReading, MovieFilesAreToldFromScenes) {

@@ -125,7 +125,7 @@ void Maker::scenes() {
     scene(7, repeated("- ", 2000) + "x\n");
     scene(7, "k: [1" + repeated(",1", 1'200'000) + "]\n");
     scene(7, "k: " + std::string(17 << 20, 'x') + "\n");
-    scene(3, "k: " + std::string(10 << 20, 'x') + "\n");
+    scene(3, "k: " + std::string(7 << 20, 'x') + "\n");
     scene(3, repeated("a", 1 << 20) + ": 1\n");
     std::string keys = kHead, anchors = kHead + "x:\n";
     for (int i = 0; i < 50'000; ++i) keys += "k" + std::to_string(i) + ": 1\n";

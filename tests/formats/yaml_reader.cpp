@@ -258,7 +258,7 @@ TEST(YamlReader, LimitsTheDepth) {
     for (const char* piece : {"[", "- ", "{a: ", "? "})
         EXPECT_EQ(limitExit(repeated(piece, 100'000), "E0711"), 7) << piece;
     // Without a check of its own yaml-cpp would hold a token for each of these: 2.7 GB.
-    EXPECT_EQ(limitExit(repeated("[", 16 << 20), "E0711"), 7);
+    EXPECT_EQ(limitExit(repeated("[", 8 << 20), "E0711"), 7);
 }
 
 TEST(YamlReader, LimitsTheDepthOfAliases) {
@@ -327,7 +327,7 @@ TEST_F(YamlFiles, RefusesLargeFilesBeforeReadingThem) {
     std::filesystem::resize_file((folder_ / "large.yaml"), std::uintmax_t{1} << 40); // sparse
     EXPECT_EQ(
         read(folder_ / "large.yaml"),
-        "7 large.yaml: error[E0710]: is larger than 16 MiB, the most that a text file may have\n");
+        "7 large.yaml: error[E0710]: is larger than 8 MiB, the most that a text file may have\n");
 }
 
 } // namespace

@@ -115,15 +115,15 @@ TEST(YamlWriter, LeavesNumbersAsTheNodesSpellThem) {
 TEST(YamlWriter, KeepsComments) {
     Node root =
         parse("image: {width: 8}\nobjects:\n  - sphere: {radius: 1}\n  - sphere: {radius: 2}\n");
-    root.commentsBefore = {"the scene", ""};
-    root.members[0].value.commentsBefore = {"picture"};
-    root.members[0].value.commentAfter = "small";
+    root.comments->before = {"the scene", ""};
+    root.members[0].value.comments->before = {"picture"};
+    root.members[0].value.comments->after = "small";
     Node& objects = root.members[1].value;
-    objects.commentAfter = "two";
-    objects.items[0].commentsBefore = {"first\tone\nand \xff more"};
-    objects.items[1].members[0].value.commentsBefore = {"second"};
-    objects.commentsAtEnd = {"- sphere: {radius: 3}"};
-    root.commentsAtEnd = {"the end"};
+    objects.comments->after = "two";
+    objects.items[0].comments->before = {"first\tone\nand \xff more"};
+    objects.items[1].members[0].value.comments->before = {"second"};
+    objects.comments->atEnd = {"- sphere: {radius: 3}"};
+    root.comments->atEnd = {"the end"};
     const std::string written = writeYaml(root);
     EXPECT_EQ(written, "# the scene\n"
                        "#\n"
@@ -141,7 +141,7 @@ TEST(YamlWriter, KeepsComments) {
 
 TEST(YamlWriter, TurnsCommentedFlowMapsIntoBlocks) {
     Node root = parse("camera: {position: [0, 0, 1], up: [0, 1, 0]}\n");
-    root.members[0].value.members[1].value.commentAfter = "why";
+    root.members[0].value.members[1].value.comments->after = "why";
     EXPECT_EQ(writeYaml(root), "camera:\n"
                                "  position: [0, 0, 1]\n"
                                "  up: [0, 1, 0]  # why\n");
@@ -188,11 +188,11 @@ public:
             node.kind = Kind::sequence;
             for (unsigned i = below(5); i > 0; --i) node.items.push_back(make(depth + 1));
         }
-        if (below(8) == 0) node.commentsBefore.push_back(text());
-        if (below(8) == 0) node.commentAfter = text();
+        if (below(8) == 0) node.comments->before.push_back(text());
+        if (below(8) == 0) node.comments->after = text();
         if (below(8) == 0 && (node.kind == Kind::map || node.kind == Kind::sequence) &&
             node.items.size() + node.members.size() > 0)
-            node.commentsAtEnd.push_back(text());
+            node.comments->atEnd.push_back(text());
         return node;
     }
 
