@@ -15,10 +15,6 @@ constexpr std::uint32_t kTaskSize = 2048; // smaller cells are built by one thre
 constexpr std::uint32_t kHandful = 256;   // cells that a task takes at a time
 // octree_bench: with 4, random spheres are 8 % slower, and the soup a fifth, with a fifth fewer bytes.
 constexpr std::uint32_t kLeastCutOfLoose = 2;
-// Of a cell that is one block: not cut when its parts' boxes have together more than this of its surface. Of meshes
-// with 1, builds take 4 to 15 % longer and bytes are 11 to 16 % more, at equal speed; of what shares no corners, with
-// 0.7, single rays of a soup are a tenth slower (octree_bench, Zen 3).
-constexpr float kWorthCut = 0.7f, kWorthCutOfLoose = 1;
 constexpr int kBalancedDepth = 64; // from here on cells are cut at the median
 constexpr float kInfinityF32 = std::numeric_limits<float>::infinity();
 
@@ -149,13 +145,7 @@ private:
         };
         if (range.size() <= kChunk)
             return move(range.begin, range.end, range.begin, range.begin + cut.below);
-        std::vector<std::uint32_t> belows((range.size() + kChunk - 1) / kChunk);
-        overChunks(range.begin, range.end,
-                   [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
-                       std::uint32_t count = 0;
-                       for (std::uint32_t k = first; k < last; ++k) count += cut.isBelow(from[k]);
-                       belows[i] = count;
-                   });
+        std::vector<std::uint32_t> belows = cut.belowOfChunk; // before each chunk, in a moment
         std::uint32_t below = range.begin;
         for (std::uint32_t& n : belows) {
             const std::uint32_t start = below;
@@ -224,13 +214,15 @@ private:
         const float leaf =
             range.size() <= maxObjects_ ? leafCost(first, last, cell.sharesBlock) : kInfinityF32;
         Cut cut;
-        if (mayCut(range, from, depth, shares))
-            cut = chooseCut(range, from, bins_, fill_, depth >= kBalancedDepth);
+        // A leaf of one block of shared corners is not cut. When it was where that left less than 0.7 of its surface,
+        // builds took 4 to 17 % longer, at equal speed (octree_bench: meshes, Zen 3).
+        const bool isBlock = leaf <= blockCost_;
         const bool mayBeLoose = !cell.sharesBlock || range.size() <= kSharedLanes / 3;
-        if (cut && leaf <= blockCost_ &&
-            cut.belowBox.area() + cut.aboveBox.area() >=
-                (mayBeLoose ? kWorthCutOfLoose : kWorthCut) * range.box.area())
-            cut.axis = -1;
+        if ((mayBeLoose || !isBlock) && mayCut(range, from, depth, shares)) {
+            cut = chooseCut(range, from, bins_, fill_, depth >= kBalancedDepth);
+            if (isBlock && cut.belowBox.area() + cut.aboveBox.area() >= range.box.area())
+                cut.axis = -1;
+        }
         if (cut) {
             Reference* const to = from == references_ ? other_.data() : references_;
             const Sides centers = partition(range, cut, from, to);

@@ -37,12 +37,12 @@ __m128i placesOf(const Scale& scale, const Reference& r) {
 }
 
 /// A box that starts uninitialised.
-struct Sides {
+struct RawBox {
     __m128 lower, upper;
 };
 
 /// Half of the surface of four boxes, none empty.
-__m128 areasOf(const Sides* box) {
+__m128 areasOf(const RawBox* box) {
     __m128 x = _mm_sub_ps(box[0].upper, box[0].lower), y = _mm_sub_ps(box[1].upper, box[1].lower),
            z = _mm_sub_ps(box[2].upper, box[2].lower), w = _mm_sub_ps(box[3].upper, box[3].lower);
     _MM_TRANSPOSE4_PS(x, y, z, w);
@@ -104,7 +104,7 @@ public:
             if (cost[i] < cost[best] || (cost[i] == cost[best] && place[i] < place[best])) best = i;
         axis = place[best] / kRow;
         at = place[best] % kRow;
-        const Sides &b = rows_[axis].below[at], &a = rows_[axis].above[at];
+        const RawBox &b = rows_[axis].below[at], &a = rows_[axis].above[at];
         below = {b.lower, b.upper};
         above = {a.lower, a.upper};
     }
@@ -112,7 +112,7 @@ public:
 private:
     static constexpr int kRow = 64;
     struct Row {
-        Sides below[kMostBins + 4],
+        RawBox below[kMostBins + 4],
             above[kMostBins + 4]; // [i]: of those before the i-th; of it and the rest
     };
     Row rows_[3];
@@ -139,10 +139,11 @@ Cut cheapestCut(const Range& range, const Centers& centers, const Reference* fro
     const unsigned axes = scale.axes & range.open;
     if (!axes) return {};
     Bins bins;
+    std::vector<Bins> parts; // by chunk, where there are several
     if (range.size() <= kChunk) {
         fill(from + range.begin, from + range.end, scale, axes, count, bins);
     } else {
-        std::vector<Bins> parts((range.size() + kChunk - 1) / kChunk);
+        parts.resize((range.size() + kChunk - 1) / kChunk);
         overChunks(range.begin, range.end,
                    [&](std::uint32_t first, std::uint32_t last, std::size_t i) {
                        fill(from + first, from + last, scale, axes, count, parts[i]);
@@ -172,6 +173,11 @@ Cut cheapestCut(const Range& range, const Centers& centers, const Reference* fro
     best.lower = scale.lower[best.axis];
     best.factor = scale.factor[best.axis];
     best.limit = static_cast<float>(at);
+    for (const Bins& part : parts) {
+        std::uint32_t n = 0;
+        for (int i = 0; i < at; ++i) n += part.of[best.axis][i].count;
+        best.belowOfChunk.push_back(n);
+    }
     return best;
 }
 
@@ -263,9 +269,11 @@ Cut medianCut(const Range& range, const Centers& all, const Reference* from) {
         for (const float c : centers)
             if (c > all.lower[cut.axis]) cut.limit = std::min(cut.limit, c);
     }
+    if (range.size() > kChunk) cut.belowOfChunk.resize((range.size() + kChunk - 1) / kChunk);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const bool isBelow = cut.isBelow(from[i]);
         cut.below += isBelow;
+        if (range.size() > kChunk) cut.belowOfChunk[(i - range.begin) / kChunk] += isBelow;
         (isBelow ? cut.belowBox : cut.aboveBox).add(boxOf(from[i]));
     }
     return cut;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace rt::octree {
 
@@ -31,7 +32,8 @@ struct Range {
 struct Cut {
     int axis = -1;
     float lower, factor, limit;
-    std::uint32_t below = 0; // how many
+    std::uint32_t below = 0;                 // how many
+    std::vector<std::uint32_t> belowOfChunk; // of those, where the range has several chunks
     Box belowBox, aboveBox;
 
     explicit operator bool() const { return axis >= 0; }

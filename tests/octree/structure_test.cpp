@@ -246,6 +246,19 @@ TEST(Structure, BoxesAreTheTightestF32OnesAroundThePrimitive) {
     }
 }
 
+TEST(Structure, NoLeafHasMoreThanMaxObjects) {
+    const Mesh ball = icosphere(4, 1, Vec3(0.0), 0.1);
+    Primitives p;
+    addMesh(p, ball.positions, ball.indices);
+    for (const std::uint32_t most : {3u, 6u, 11u}) { // two boxes may have one centre
+        const auto histogram =
+            octree::Octree::build(p, {.maxObjects = most}).statistics().leafHistogram;
+        std::uint64_t more = 0;
+        for (std::size_t n = most + 1; n < histogram.size(); ++n) more += histogram[n];
+        EXPECT_EQ(more, 0u) << most;
+    }
+}
+
 TEST(Structure, ThreadsShareLargeTreesTheSameWay) {
     // Big enough for the parallel passes over one cell.
     const Mesh ball = icosphere(6, 1, Vec3(0.0), 0.1);
