@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace rt::octree {
@@ -145,13 +146,9 @@ private:
         };
         if (range.size() <= kChunk)
             return move(range.begin, range.end, range.begin, range.begin + cut.below);
-        std::vector<std::uint32_t> belows = cut.belowOfChunk; // before each chunk, in a moment
-        std::uint32_t below = range.begin;
-        for (std::uint32_t& n : belows) {
-            const std::uint32_t start = below;
-            below += n;
-            n = start;
-        }
+        std::vector<std::uint32_t> belows(cut.belowOfChunk.size()); // where each chunk's go
+        std::exclusive_scan(cut.belowOfChunk.begin(), cut.belowOfChunk.end(), belows.begin(),
+                            range.begin);
         std::vector<Sides> parts(belows.size());
         overChunks(range.begin, range.end,
                    [&](std::uint32_t first, std::uint32_t last, std::size_t i) {

@@ -269,11 +269,11 @@ Cut medianCut(const Range& range, const Centers& all, const Reference* from) {
         for (const float c : centers)
             if (c > all.lower[cut.axis]) cut.limit = std::min(cut.limit, c);
     }
-    if (range.size() > kChunk) cut.belowOfChunk.resize((range.size() + kChunk - 1) / kChunk);
+    cut.belowOfChunk.resize((range.size() + kChunk - 1) / kChunk);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
         const bool isBelow = cut.isBelow(from[i]);
         cut.below += isBelow;
-        if (range.size() > kChunk) cut.belowOfChunk[(i - range.begin) / kChunk] += isBelow;
+        cut.belowOfChunk[(i - range.begin) / kChunk] += isBelow;
         (isBelow ? cut.belowBox : cut.aboveBox).add(boxOf(from[i]));
     }
     return cut;

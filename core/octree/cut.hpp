@@ -33,7 +33,7 @@ struct Cut {
     int axis = -1;
     float lower, factor, limit;
     std::uint32_t below = 0;                 // how many
-    std::vector<std::uint32_t> belowOfChunk; // of those, where the range has several chunks
+    std::vector<std::uint32_t> belowOfChunk; // of those; may be empty where one chunk is all
     Box belowBox, aboveBox;
 
     explicit operator bool() const { return axis >= 0; }
