@@ -71,20 +71,19 @@ TEST_F(Hostile, FilesAreRefused) {
             const auto before = files();
             cli_tests::RunOptions patient; // the clock on the wall is no measure here
             patient.seconds = 300;
-            cli_tests::Outcome o = rt(way, patient);
+            const cli_tests::Outcome o = rt(way, patient);
             // Who uses the other thread of a core slows this one: of three runs the quickest counts.
-            for (int again = 0; again < 2 && o.cpuSeconds >= kMaxSeconds; ++again) {
-                const cli_tests::Outcome next = rt(way, patient);
-                if (next.cpuSeconds < o.cpuSeconds) o = next;
-            }
+            double seconds = o.cpuSeconds;
+            for (int again = 0; again < 2 && !kSanitized && seconds >= kMaxSeconds; ++again)
+                seconds = std::min(seconds, rt(way, patient).cpuSeconds);
             ++runs;
-            slowest = std::max(slowest, o.cpuSeconds), largest = std::max(largest, o.peakBytes);
+            slowest = std::max(slowest, seconds), largest = std::max(largest, o.peakBytes);
             EXPECT_EQ(o.signal, 0);
             // A picture's header that asks for too much may also be too much for its format.
             const bool eitherWay = f.format == Format::picture && o.exitCode + f.exitCode == 11;
             EXPECT_TRUE(o.exitCode == f.exitCode || eitherWay)
                 << o.exitCode << ", not " << f.exitCode << ": " << o.err.substr(0, 500);
-            EXPECT_TRUE(kSanitized || o.cpuSeconds < kMaxSeconds) << o.cpuSeconds;
+            EXPECT_TRUE(kSanitized || seconds < kMaxSeconds) << seconds;
             EXPECT_TRUE(kSanitized || o.peakBytes < kMaxBytes) << o.peakBytes;
             if (f.exitCode != 0) {
                 EXPECT_TRUE(std::regex_search(o.err.substr(0, 2000), located(o.exitCode)))

@@ -196,8 +196,10 @@ TEST_F(Sandbox, Threat06ReadsStayInTheFolder) {
         }
     };
     for (const std::string& file :
-         std::initializer_list<std::string>{"m.obj", "deep/../m.obj", "near.obj"})
+         std::initializer_list<std::string>{"m.obj", "deep/../m.obj", "near.obj"}) {
+        SCOPED_TRACE(file);
         expectRead(mesh(file, "--sandbox"));
+    }
     expectRead(texture("t.ppm", "--sandbox"));
     expectRead(mesh("link.obj", "--sandbox --allow-read out"));
     expectRead(
