@@ -277,8 +277,8 @@ void measure(const Subject& subject, const Options& options) {
         });
     }
     for (int round = 0; round < options.rounds; ++round)
-        for (Contender& contender : contenders)
-            for (int c = 0; c < kClasses; ++c)
+        for (int c = 0; c < kClasses; ++c)
+            for (Contender& contender : contenders)
                 contender.seconds[c].push_back(
                     cpuSecondsOf([&] { contender.run(static_cast<RayClass>(c)); }));
     const Contender& base = contenders[kRobust];
