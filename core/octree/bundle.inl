@@ -625,12 +625,13 @@ template <bool kCount, Query kQuery>
     const Frame f = frameAt(b, ray, i);
     if (kQuery == Query::crossings)
         return static_cast<unsigned>(!crossFrom<kCount>(tree, reference, lanesAt(tree, b, i),
-                                                        b.limit[i], f, b.exclude[i], b.t[i],
-                                                        {*b.sink, b.first + i}, visits))
+                                                        b.mirror, b.limit[i], f, b.exclude[i],
+                                                        b.t[i], {*b.sink, b.first + i}, visits))
                << i;
     if (kQuery == Query::any)
         return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i),
-                                                     b.limit[i], f, b.exclude[i], b.t[i], visits))
+                                                     b.mirror, b.limit[i], f, b.exclude[i], b.t[i],
+                                                     visits))
                << i;
     Best best = bestAt(b, i);
     closestFrom<kCount>(tree, reference, ray, lanesAt(tree, b, i), order,
@@ -739,7 +740,9 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         }
     }
     if (!tree.nodes || !b.active) return;
-    const Order order = orderOf(b.mirror);
+    // What any hit ends is looked for from the other end: see anyFrom().
+    const unsigned mirror = kQuery == Query::closest ? b.mirror : b.mirror ^ 7;
+    const Order order = orderOf(mirror);
     float limit = setLimits(b); // the largest of all rays
     if (kQuery == Query::any)
         for (std::uint32_t& blocker : b.blockers) {
@@ -767,7 +770,7 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
         }
         if (mask) {
-            const unsigned nearest = kTables.nearest[b.mirror][mask];
+            const unsigned nearest = kTables.nearest[mirror][mask];
             fetchSome(tree, tree.nodes[current].child[nearest]);
             pushSlots(order, current << 3, enter, mask & ~(1u << nearest), slots, enters, top);
             child = current << 3 | nearest;

@@ -358,7 +358,7 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
     Any taker{tree, ray, exclude, last};
     if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return true;
     return tree.nodes && !boxes.misses &&
-           anyFrom<kCount>(tree, 0, ray, boxes.lanes, last, f, exclude, last, visits);
+           anyFrom<kCount>(tree, 0, ray, boxes.lanes, boxes.mirror, last, f, exclude, last, visits);
 }
 
 template <bool kCount>
@@ -370,7 +370,8 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const Crosser& t
     All taker{tree, exclude, last, to};
     if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return false;
     return !tree.nodes || boxes.misses ||
-           crossFrom<kCount>(tree, 0, boxes.lanes, last, f, exclude, last, to, visits);
+           crossFrom<kCount>(tree, 0, boxes.lanes, boxes.mirror, last, f, exclude, last, to,
+                             visits);
 }
 
 void closest(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
@@ -548,13 +549,13 @@ template <bool kCount, Query kQuery>
     const BoxLanes lanes = lanesAt(tree, b, static_cast<int>(i));
     const float last = limitOf(tree, b.t[i]);
     if (kQuery == Query::crossings)
-        return static_cast<unsigned>(!crossFrom<kCount>(tree, reference, lanes, b.limit[i], f,
-                                                        b.exclude[i], last,
+        return static_cast<unsigned>(!crossFrom<kCount>(tree, reference, lanes, b.mirror,
+                                                        b.limit[i], f, b.exclude[i], last,
                                                         Crosser{*b.sink, b.first + i}, visits))
                << i;
     if (kQuery == Query::any)
-        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanes, b.limit[i], f,
-                                                     b.exclude[i], last, visits))
+        return static_cast<unsigned>(anyFrom<kCount>(tree, reference, ray, lanes, b.mirror,
+                                                     b.limit[i], f, b.exclude[i], last, visits))
                << i;
     Best best = bestAt(tree, b, static_cast<int>(i));
     // The bundle's boxes are met by directions that are brought to a length.

@@ -89,7 +89,7 @@ inline bool walk(const TreeView& tree, const Ray& ray, Walk& w, Visits* visits) 
             F32 enter;
             mask = meets(current, lanes, all(limit), enter);
             if (mask)
-                current = kAny ? pushAny(node, mask, w.references, top)
+                current = kAny ? pushAny(order.mirror, node, mask, w.references, top)
                                : pushFar(order, node, enter, mask, w.references, w.enters, top);
         } else if (kAny) {
             w.any = anyInLeaf<kCount>(tree, current, ray, w.frame, w.exclude, w.last, visits);

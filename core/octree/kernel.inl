@@ -828,11 +828,14 @@ inline double below(double x) {
                                         : 0;
 }
 
-/// Is there a hit up to `last` below one node or leaf?
+/// Is there a hit up to `last` below one node or leaf? Far ones are looked at first: rays that this is asked of start on a
+/// surface, near it are many boxes that they meet in vain, and what stops them is seldom there (octree_bench, shadow rays, Xeon
+/// with AVX-512: 14 to 22 % faster on scans than in the order of slots, 0 to 6 % on the others; near ones first were 0 to 8 % slower).
 template <bool kCount, class Lanes, class Frame, class Real>
-[[gnu::always_inline]] inline bool
-anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLanesOf<Lanes>& lanes,
-        float boxLimit, const Frame& f, std::uint32_t exclude, Real last, Visits* visits) {
+[[gnu::always_inline]] inline bool anyFrom(const TreeView& tree, std::uint32_t current,
+                                           const Ray& ray, const BoxLanesOf<Lanes>& lanes,
+                                           unsigned mirror, float boxLimit, const Frame& f,
+                                           std::uint32_t exclude, Real last, Visits* visits) {
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
@@ -843,7 +846,7 @@ anyFrom(const TreeView& tree, std::uint32_t current, const Ray& ray, const BoxLa
             F32 enter;
             const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
-                current = pushAny(node, mask, references, top);
+                current = pushAny(mirror, node, mask, references, top);
                 continue;
             }
         } else if (anyInLeaf<kCount>(tree, current, ray, f, exclude, last, visits)) {
@@ -864,8 +867,8 @@ inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
         anyInRecord<kCount>(tree, tree.unbounded, ray, f, exclude, last, visits))
         return true;
     if (!tree.nodes || box.misses) return false;
-    return anyFrom<kCount>(tree, 0, ray, lanesOf(tree, box), limitOf(box.limits, ray.tMax), f,
-                           exclude, last, visits);
+    return anyFrom<kCount>(tree, 0, ray, lanesOf(tree, box), box.mirror,
+                           limitOf(box.limits, ray.tMax), f, exclude, last, visits);
 }
 
 inline bool addAll(unsigned lanes, unsigned touched, const LaneArray& t, const std::uint32_t* id,
@@ -971,9 +974,9 @@ template <bool kCount>
 /// False: the ray ends below one node or leaf.
 template <bool kCount, class Lanes, class Frame, class Real>
 [[gnu::always_inline]] inline bool crossFrom(const TreeView& tree, std::uint32_t current,
-                                             const BoxLanesOf<Lanes>& lanes, float boxLimit,
-                                             const Frame& f, std::uint32_t exclude, Real last,
-                                             const Crosser& to, Visits* visits) {
+                                             const BoxLanesOf<Lanes>& lanes, unsigned mirror,
+                                             float boxLimit, const Frame& f, std::uint32_t exclude,
+                                             Real last, const Crosser& to, Visits* visits) {
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
@@ -984,7 +987,7 @@ template <bool kCount, class Lanes, class Frame, class Real>
             F32 enter;
             const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
-                current = pushAny(node, mask, references, top);
+                current = pushAny(mirror, node, mask, references, top);
                 continue;
             }
         } else if (!crossInLeaf<kCount>(tree, current, f, exclude, last, to, visits)) {
@@ -1003,6 +1006,6 @@ inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const Crosser& t
     const double last = below(ray.tMax);
     if (!crossRecord<kCount>(tree, tree.unbounded, f, exclude, last, to, visits)) return false;
     if (!tree.nodes || box.misses) return true;
-    return crossFrom<kCount>(tree, 0, lanesOf(tree, box), limitOf(box.limits, ray.tMax), f, exclude,
-                             last, to, visits);
+    return crossFrom<kCount>(tree, 0, lanesOf(tree, box), box.mirror, limitOf(box.limits, ray.tMax),
+                             f, exclude, last, to, visits);
 }

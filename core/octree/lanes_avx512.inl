@@ -243,11 +243,12 @@ inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigne
     top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
-/// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references,
-                             std::size_t& top) {
-    const std::uint32_t next = node.child[__builtin_ctz(mask)];
-    mask &= mask - 1;
+/// Puts all children in `mask` but the farthest on the stack in any order; returns the farthest. `mirror`: of the ray.
+inline std::uint32_t pushAny(unsigned mirror, const Node& node, unsigned mask,
+                             std::uint32_t* references, std::size_t& top) {
+    const unsigned farthest = kTables.nearest[mirror ^ 7][mask];
+    const std::uint32_t next = node.child[farthest];
+    mask &= ~(1u << farthest);
     if (!mask) return next;
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_maskz_compress_epi32(

@@ -380,13 +380,13 @@ inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigne
     }
 }
 
-/// Puts all children in `mask` but the first on the stack in any order; returns the first.
-inline std::uint32_t pushAny(const Node& node, unsigned mask, std::uint32_t* references,
-                             std::size_t& top) {
-    const std::uint32_t next = node.child[__builtin_ctz(mask)];
-    for (mask &= mask - 1; mask; mask &= mask - 1)
+/// Puts all children in `mask` but the farthest on the stack in any order; returns the farthest. `mirror`: of the ray.
+inline std::uint32_t pushAny(unsigned mirror, const Node& node, unsigned mask,
+                             std::uint32_t* references, std::size_t& top) {
+    const unsigned farthest = kTables.nearest[mirror ^ 7][mask];
+    for (mask &= ~(1u << farthest); mask; mask &= mask - 1)
         references[top++] = node.child[__builtin_ctz(mask)];
-    return next;
+    return node.child[farthest];
 }
 
 /// 16 sheared corners in the order of SharedBlock::corner.
