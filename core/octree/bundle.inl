@@ -741,8 +741,7 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
     }
     if (!tree.nodes || !b.active) return;
     // What any hit ends is looked for from the other end: see anyFrom().
-    const unsigned mirror = kQuery == Query::closest ? b.mirror : b.mirror ^ 7;
-    const Order order = orderOf(mirror);
+    const Order order = orderOf(kQuery == Query::closest ? b.mirror : b.mirror ^ 7);
     float limit = setLimits(b); // the largest of all rays
     if (kQuery == Query::any)
         for (std::uint32_t& blocker : b.blockers) {
@@ -770,7 +769,7 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
         }
         if (mask) {
-            const unsigned nearest = kTables.nearest[mirror][mask];
+            const unsigned nearest = kTables.nearest[order.mirror][mask];
             fetchSome(tree, tree.nodes[current].child[nearest]);
             pushSlots(order, current << 3, enter, mask & ~(1u << nearest), slots, enters, top);
             child = current << 3 | nearest;
