@@ -9,6 +9,7 @@
 #include <core/octree/kernel.hpp>
 #include <core/octree/leaves.hpp>
 #include <core/octree/references.hpp>
+#include <core/octree/shares.hpp>
 #include <core/octree/update.hpp>
 #include <core/parallel/parallel.hpp>
 
@@ -419,6 +420,8 @@ Statistics Octree::statistics() const {
             for (int slot = 0; slot < kLanes; ++slot) {
                 const std::uint32_t child = node.child[slot];
                 if (child == kEmptyChild) continue;
+                if (heightOf(tree, child) >= node.links.height)
+                    throw std::logic_error("a node of the octree is higher than it says");
                 stack.push_back({child, depth + 1});
                 const float visit = child & kLeaf ? costOfLeaf(tree, child) : kNodeCost;
                 if (rootArea > 0) s.cost += visit * boxOf(node, slot).area() / rootArea;

@@ -46,6 +46,11 @@ inline std::uint32_t heightOf(const Tree& tree, std::uint32_t reference) {
     return reference & kLeaf ? 0 : tree.nodes[reference].links.height;
 }
 
+/// Of a node that got something below it. Levels that it loses are not noticed.
+inline void raise(Node::Links& links, std::uint32_t height) {
+    links.height = static_cast<std::uint16_t>(std::max<std::uint32_t>(links.height, height));
+}
+
 /// What the subtree would cost if it were new, as far as we know.
 inline float freshCost(const Tree& tree, std::uint32_t index) {
     const Node::Links& links = tree.nodes[index].links;

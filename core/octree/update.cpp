@@ -626,10 +626,6 @@ private:
         }
     }
 
-    static void raise(Node::Links& links, std::uint32_t height) {
-        links.height = static_cast<std::uint16_t>(std::max<std::uint32_t>(links.height, height));
-    }
-
     /// The leaf with one more primitive, for which it has room.
     std::uint32_t join(std::uint32_t leaf, const Item& item) {
         if (isTriangles(leaf)) return joined(leaf, item.triangle);

@@ -133,8 +133,10 @@ bool Upkeep::rebuild(std::uint32_t index) {
     state_.costAfter += cost;
     state_.nodesBefore += static_cast<float>(all - others);
     state_.nodesAfter += static_cast<float>(liveNodes() - others);
+    std::uint32_t height = heightOf(tree_, child);
     for (std::uint32_t above = links.parent; above != kEmptyChild;) {
         Node::Links& changed = tree_.nodes[above].links;
+        raise(changed, ++height);
         changed.costThen = freshCost(tree_, above) + cost - fresh;
         changed.countThen = changed.count;
         changed.cost += cost - links.cost;

@@ -186,6 +186,20 @@ TEST(Update, ARigidBodyKeepsItsSubtree) {
     }
 }
 
+/// A node's height decides how much room the stacks of rays in turns have; statistics() looks whether it is true.
+TEST(Update, ARebuiltSubtreeRaisesTheHeightsAboveIt) {
+    TwoBodies bodies;
+    Octree tree = Octree::build(*bodies.scene.primitives, {.movable = true});
+    std::uint64_t rebuilt = 0;
+    for (int step = 1; step <= 40; ++step) {
+        const double a = 0.1 * step;
+        bodies.place({-1.5 * std::cos(a), 1.5 * std::sin(a), 0}, 2 * a);
+        rebuilt += tree.update(*bodies.scene.primitives, bodies.idsOfBody()).rebuilt;
+        ASSERT_NO_THROW(tree.statistics()) << "step " << step;
+    }
+    EXPECT_GT(rebuilt, 0u);
+}
+
 TEST(Update, EverythingMayMoveAtOnce) {
     TwoBodies bodies;
     Octree tree = Octree::build(*bodies.scene.primitives, {.movable = true});
