@@ -770,7 +770,7 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
         }
         if (mask) {
             const unsigned nearest = kTables.nearest[order.mirror][mask];
-            fetchSome(tree, tree.nodes[current].child[nearest]);
+            fetch(tree, tree.nodes[current].child[nearest]);
             pushSlots(order, current << 3, enter, mask & ~(1u << nearest), slots, enters, top);
             child = current << 3 | nearest;
         } else {

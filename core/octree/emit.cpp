@@ -55,9 +55,6 @@ public:
         return root;
     }
 
-    /// The nodes that append() put first.
-    std::uint32_t nodesAboveJobs() const { return nodesAboveJobs_; }
-
     std::uint32_t emit(std::uint32_t cell, std::uint32_t parent, std::uint32_t slot,
                        Places& places) {
         LeafContents contents;
@@ -81,7 +78,6 @@ private:
     void collectJobs(std::uint32_t cell, Extent& top) {
         LeafContents contents;
         top.take(kNodes);
-        ++nodesAboveJobs_;
         std::uint32_t children[kNodeChildren];
         const int count = cells_.childrenOf(cell, children);
         for (int i = 0; i < count; ++i) {
@@ -228,7 +224,7 @@ private:
     Tree& tree_;
     std::vector<Job> jobs_;
     std::size_t nextJob_ = 0;
-    std::uint32_t jobSize_ = 0, nodesAboveJobs_ = 0;
+    std::uint32_t jobSize_ = 0;
 };
 
 } // namespace
@@ -251,7 +247,6 @@ Tree emit(const Cells& cells, const std::vector<Reference>& unbounded, const Pri
     if (cells.root() == kNoCell) return tree;
     Emitter emitter(cells, primitives, format, tree);
     emitter.append(cells.root(), kEmptyChild, 0);
-    tree.hotNodes = emitter.nodesAboveJobs();
     return tree;
 }
 

@@ -6,6 +6,7 @@
 
 using ExactBundle = Bundle;
 using ExactLimits = Limits;
+using ExactBest = Best;
 
 namespace f32 {
 
@@ -30,19 +31,17 @@ struct Best {
     const std::uint32_t* id;
 };
 
+inline ExactBest inWorld(const TreeView& tree, const Best& best) {
+    return {best.t * tree.inverseScale, best.u, best.v, best.id};
+}
+
 /// t of a hit limits the boxes as it is.
 struct Limits {};
 inline float limitOf(Limits, float t) { return t; }
 
 inline float limitOf(const TreeView& tree, double t) { return static_cast<float>(t * tree.scale); }
 
-struct Boxes {
-    BoxLanesOf<Fused> lanes;
-    unsigned mirror;
-    bool misses;
-};
-
-[[gnu::always_inline]] inline Boxes start(const TreeView& tree, const Ray& ray, Frame& f) {
+[[gnu::always_inline]] inline BoxRay start(const TreeView& tree, const Ray& ray, Frame& f) {
     const Quad quad = withFourth(loadQuad(&ray.direction.x), 1);
     const __m128 origin = narrow(originOf(tree, ray)).v, direction = narrow(quad).v;
     const __m128 sign = _mm_set1_ps(-0.0f), size = _mm_andnot_ps(sign, direction);
@@ -50,12 +49,11 @@ struct Boxes {
         _mm_or_ps(_mm_max_ps(size, _mm_set1_ps(kSmallest)), _mm_and_ps(sign, direction));
     const __m128 inverse = _mm_div_ps(_mm_set1_ps(1), clamped);
     const Four from{_mm_mul_ps(origin, inverse)};
-    Boxes b;
-    b.mirror = static_cast<unsigned>(_mm_movemask_ps(direction)) & 7;
+    BoxRay b{{inverse}, from, from, static_cast<unsigned>(_mm_movemask_ps(direction)) & 7,
+             {},        false};
     b.misses = _mm_movemask_ps(_mm_and_ps(
                    _mm_cmple_ps(size, _mm_set1_ps(kLargest)),
                    _mm_cmple_ps(_mm_andnot_ps(sign, origin), _mm_set1_ps(kFarthest)))) != 15;
-    b.lanes = lanesOf<Fused>(tree, {{inverse}, from, from, b.mirror, {}, false});
     _mm_store_ps(f.origin, origin);
     _mm_store_ps(f.direction, clamped);
     f.kz = largestAxis(magnitude(quad));
@@ -338,40 +336,41 @@ template <bool kCount>
 template <bool kCount>
 inline void closestImpl(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
     Frame f;
-    const Boxes boxes = start(tree, ray, f);
+    const BoxRay box = start(tree, ray, f);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     Best best{limitOf(tree, ray.tMax), 0, 0, nullptr};
     Nearest taker{tree, ray, exclude, best};
     if (tree.hasUnbounded) inRecord<kCount>(tree, tree.unbounded, f, taker, visits);
-    if (tree.nodes && !boxes.misses)
-        closestFrom<kCount>(tree, 0, ray, boxes.lanes, orderOf(boxes.mirror), Limits(), f, exclude,
-                            best, visits);
-    answer({best.t * tree.inverseScale, best.u, best.v, best.id}, hit);
+    if (tree.nodes && !box.misses)
+        closestFrom<kCount>(tree, 0, ray, lanesOf<Fused>(tree, box), orderOf(box.mirror), Limits(),
+                            f, exclude, best, visits);
+    answer(inWorld(tree, best), hit);
 }
 
 template <bool kCount>
 inline bool occludedImpl(const TreeView& tree, const Ray& ray, Visits* visits) {
     Frame f;
-    const Boxes boxes = start(tree, ray, f);
+    const BoxRay box = start(tree, ray, f);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const float last = limitOf(tree, ray.tMax);
     Any taker{tree, ray, exclude, last};
     if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return true;
-    return tree.nodes && !boxes.misses &&
-           anyFrom<kCount>(tree, 0, ray, boxes.lanes, boxes.mirror, last, f, exclude, last, visits);
+    return tree.nodes && !box.misses &&
+           anyFrom<kCount>(tree, 0, ray, lanesOf<Fused>(tree, box), box.mirror, last, f, exclude,
+                           last, visits);
 }
 
 template <bool kCount>
 inline bool crossingsImpl(const TreeView& tree, const Ray& ray, const Crosser& to, Visits* visits) {
     Frame f;
-    const Boxes boxes = start(tree, ray, f);
+    const BoxRay box = start(tree, ray, f);
     const auto exclude = static_cast<std::uint32_t>(ray.exclude);
     const float last = limitOf(tree, ray.tMax);
     All taker{tree, exclude, last, to};
     if (tree.hasUnbounded && inRecord<kCount>(tree, tree.unbounded, f, taker, visits)) return false;
-    return !tree.nodes || boxes.misses ||
-           crossFrom<kCount>(tree, 0, boxes.lanes, boxes.mirror, last, f, exclude, last, to,
-                             visits);
+    return !tree.nodes || box.misses ||
+           crossFrom<kCount>(tree, 0, lanesOf<Fused>(tree, box), box.mirror, last, f, exclude, last,
+                             to, visits);
 }
 
 void closest(const TreeView& tree, const Ray& ray, Hit* hit, Visits* visits) {
@@ -539,7 +538,7 @@ inline Best bestAt(const TreeView& tree, const Bundle& b, int i) {
             b.found >> i & 1 ? b.id + i : nullptr};
 }
 inline unsigned take(const TreeView& tree, Bundle& b, int i, const Best& best) {
-    return take(b, i, {best.t * tree.inverseScale, best.u, best.v, best.id});
+    return take(b, i, inWorld(tree, best));
 }
 
 template <bool kCount, Query kQuery>
@@ -640,24 +639,40 @@ void crossings(const TreeView& tree, const Ray* rays, std::size_t count, Crossin
            : crossBundles<false, Bundle>(tree, rays, count, sink, ended, nullptr);
 }
 
+using Walk = WalkOf<Fused, float, Limits, Frame, Best>;
+
+template <bool kCount, bool kAny>
+[[gnu::always_inline]] inline BoxRay setOut(const TreeView& tree, const Ray& ray, Walk& w,
+                                            Visits* visits) {
+    const BoxRay box = start(tree, ray, w.frame);
+    w.last = limitOf(tree, ray.tMax);
+    w.best = {w.last, 0, 0, nullptr};
+    Any any{tree, ray, w.exclude, w.last};
+    Nearest nearest{tree, ray, w.exclude, w.best};
+    if (tree.hasUnbounded) {
+        if (kAny)
+            w.any = inRecord<kCount>(tree, tree.unbounded, w.frame, any, visits);
+        else
+            inRecord<kCount>(tree, tree.unbounded, w.frame, nearest, visits);
+    }
+    w.limit = w.best.t;
+    return box;
+}
+
+inline void conclude(const TreeView& tree, const Walk& w, Hit* hit) {
+    answer(inWorld(tree, w.best), hit);
+}
+
 void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                   Hit* hits, Visits* visits) {
-    if (!coherent)
-        for (std::size_t i = 0; i < count; ++i) closest(tree, rays[i], hits + i, visits);
-    else if (visits)
-        closestBundles<true, Bundle>(tree, rays, count, hits, visits);
-    else
-        closestBundles<false, Bundle>(tree, rays, count, hits, nullptr);
+    visits ? closestOfAll<true, Bundle, Walk>(tree, rays, count, coherent, hits, visits)
+           : closestOfAll<false, Bundle, Walk>(tree, rays, count, coherent, hits, nullptr);
 }
 
 void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                    std::uint8_t* answers, Visits* visits) {
-    if (!coherent)
-        for (std::size_t i = 0; i < count; ++i) answers[i] = occluded(tree, rays[i], visits);
-    else if (visits)
-        occludedBundles<true, Bundle>(tree, rays, count, answers, visits);
-    else
-        occludedBundles<false, Bundle>(tree, rays, count, answers, nullptr);
+    visits ? occludedOfAll<true, Bundle, Walk>(tree, rays, count, coherent, answers, visits)
+           : occludedOfAll<false, Bundle, Walk>(tree, rays, count, coherent, answers, nullptr);
 }
 
 } // namespace f32

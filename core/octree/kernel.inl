@@ -676,12 +676,25 @@ closestInLeaf(const TreeView& tree, std::uint32_t reference, const Ray& ray, con
     }
 }
 
-/// Asks for the first lines of what `reference` is of.
-inline void fetchSome(const TreeView& tree, std::uint32_t reference) {
+/// Where a node or leaf lies.
+inline const char* placeOf(const TreeView& tree, std::uint32_t reference) {
     const TreeView::Place& place = tree.places[reference >> kLeafKindShift];
-    const char* const from =
-        static_cast<const char*>(place.first) + (reference & kLeafIndex) * place.size;
-    for (int at = 0; at < 256; at += 64) _mm_prefetch(from + at, _MM_HINT_T0);
+    return static_cast<const char*>(place.first) + (reference & kLeafIndex) * place.size;
+}
+
+constexpr std::size_t kLine = 64, kFirstLines = 4 * kLine; // bytes
+
+/// Asks memory for a node, or the first lines of a leaf.
+inline void fetch(const TreeView& tree, std::uint32_t reference) {
+    const char* const from = placeOf(tree, reference);
+    for (std::size_t at = 0; at < kFirstLines; at += kLine) _mm_prefetch(from + at, _MM_HINT_T0);
+}
+
+/// Asks for the rest.
+inline void fetchRest(const TreeView& tree, std::uint32_t leaf) {
+    const char* const from = placeOf(tree, leaf);
+    const std::size_t size = tree.places[leaf >> kLeafKindShift].size;
+    for (std::size_t at = kFirstLines; at < size; at += kLine) _mm_prefetch(from + at, _MM_HINT_T0);
 }
 
 /// Goes on with `best` below one node or leaf.
@@ -703,7 +716,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray,
             const unsigned mask = meets(current, lanes, all(limit), enter);
             if (mask) {
                 current = pushFar(order, node, enter, mask, references, enters, top);
-                fetchSome(tree, references[top - (top != 0)]); // comes after `current`
+                fetch(tree, references[top - (top != 0)]); // comes after `current`
                 continue;
             }
         } else if (closestInLeaf<kCount>(tree, current, ray, f, exclude, best, visits)) {

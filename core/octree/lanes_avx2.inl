@@ -310,23 +310,34 @@ inline __m256i compressing(unsigned mask) {
         _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kTables.compress[mask])));
 }
 
-/// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
+/// The slots in `mask`, farthest first.
+[[gnu::always_inline]] inline __m256i inOrder(const Order& order, unsigned mask) {
+    const __m256i wanted = _mm256_and_si256(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
+    const unsigned m = static_cast<unsigned>(
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(wanted, order.bit))));
+    return _mm256_permutevar8x32_epi32(order.slots, compressing(m));
+}
+
+/// Puts the children in `mask` on the stack, farthest first.
+[[gnu::always_inline]] inline void pushAll(const Order& order, const Node& node, F32 enter,
+                                           unsigned mask, std::uint32_t* references, float* enters,
+                                           std::size_t& top) {
+    const __m256i from = inOrder(order, mask);
+    const __m256i child = _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
+                        _mm256_permutevar8x32_epi32(child, from));
+    _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));
+    top += static_cast<unsigned>(__builtin_popcount(mask));
+}
+
+/// As pushAll(), but for the nearest, which is returned.
 [[gnu::always_inline]] inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter,
                                                     unsigned mask, std::uint32_t* references,
                                                     float* enters, std::size_t& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     const std::uint32_t next = node.child[nearest];
     mask &= ~(1u << nearest);
-    if (!mask) return next;
-    const __m256i wanted = _mm256_and_si256(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
-    const unsigned m = static_cast<unsigned>(
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(wanted, order.bit))));
-    const __m256i from = _mm256_permutevar8x32_epi32(order.slots, compressing(m));
-    const __m256i child = _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
-                        _mm256_permutevar8x32_epi32(child, from));
-    _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));
-    top += static_cast<unsigned>(__builtin_popcount(mask));
+    if (mask) pushAll(order, node, enter, mask, references, enters, top);
     return next;
 }
 
@@ -334,10 +345,7 @@ inline __m256i compressing(unsigned mask) {
 [[gnu::always_inline]] inline void pushSlots(const Order& order, std::uint32_t base, F32 enter,
                                              unsigned mask, std::uint32_t* references,
                                              float* enters, std::size_t& top) {
-    const __m256i wanted = _mm256_and_si256(order.bit, _mm256_set1_epi32(static_cast<int>(mask)));
-    const unsigned m = static_cast<unsigned>(
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(wanted, order.bit))));
-    const __m256i from = _mm256_permutevar8x32_epi32(order.slots, compressing(m));
+    const __m256i from = inOrder(order, mask);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_or_si256(from, _mm256_set1_epi32(static_cast<int>(base))));
     _mm256_storeu_ps(enters + top, _mm256_permutevar8x32_ps(enter.v, from));

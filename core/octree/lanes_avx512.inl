@@ -213,12 +213,9 @@ inline Order orderOf(unsigned mirror) {
     return {slots, _mm256_sllv_epi32(_mm256_set1_epi32(1), slots), mirror};
 }
 
-/// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
-inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, std::size_t& top) {
-    const unsigned nearest = kTables.nearest[order.mirror][mask];
-    const std::uint32_t next = node.child[nearest];
-    mask &= ~(1u << nearest); // often empty, unpredictably: storing nothing beats a branch
+/// Puts the children in `mask` on the stack, farthest first.
+inline void pushAll(const Order& order, const Node& node, F32 enter, unsigned mask,
+                    std::uint32_t* references, float* enters, std::size_t& top) {
     const __m256i child = _mm256_permutevar8x32_epi32(
         _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child)), order.slots);
     const __m256 t = _mm256_permutevar8x32_ps(enter.v, order.slots);
@@ -227,6 +224,15 @@ inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, un
                         _mm256_maskz_compress_epi32(m, child));
     _mm256_storeu_ps(enters + top, _mm256_maskz_compress_ps(m, t));
     top += static_cast<unsigned>(__builtin_popcount(mask));
+}
+
+/// As pushAll(), but for the nearest, which is returned.
+inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
+                             std::uint32_t* references, float* enters, std::size_t& top) {
+    const unsigned nearest = kTables.nearest[order.mirror][mask];
+    const std::uint32_t next = node.child[nearest];
+    // Often nothing, unpredictably: storing it beats a branch.
+    pushAll(order, node, enter, mask & ~(1u << nearest), references, enters, top);
     return next;
 }
 

@@ -347,22 +347,26 @@ struct Order {
 
 inline Order orderOf(unsigned mirror) { return {mirror}; }
 
-/// Puts all children in `mask` but the nearest on the stack, farthest first; returns the nearest.
+/// Puts the children in `mask` on the stack, farthest first.
+inline void pushAll(const Order& order, const Node& node, F32 enter, unsigned mask,
+                    std::uint32_t* references, float* enters, std::size_t& top) {
+    alignas(16) float t[kLanes];
+    _mm_store_ps(t, enter.a);
+    _mm_store_ps(t + 4, enter.b);
+    for (unsigned j = kLanes; j-- > 0;) {
+        const unsigned slot = j ^ order.mirror;
+        if (!(mask >> slot & 1)) continue;
+        references[top] = node.child[slot];
+        enters[top++] = t[slot];
+    }
+}
+
+/// As pushAll(), but for the nearest, which is returned.
 inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
                              std::uint32_t* references, float* enters, std::size_t& top) {
     const unsigned nearest = kTables.nearest[order.mirror][mask];
     mask &= ~(1u << nearest);
-    if (mask) {
-        alignas(16) float t[kLanes];
-        _mm_store_ps(t, enter.a);
-        _mm_store_ps(t + 4, enter.b);
-        for (unsigned j = kLanes; j-- > 0;) {
-            const unsigned slot = j ^ order.mirror;
-            if (!(mask >> slot & 1)) continue;
-            references[top] = node.child[slot];
-            enters[top++] = t[slot];
-        }
-    }
+    if (mask) pushAll(order, node, enter, mask, references, enters, top);
     return node.child[nearest];
 }
 

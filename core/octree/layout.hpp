@@ -120,7 +120,8 @@ enum LeafKind : std::uint32_t {
     kNarrowTriangleLeaf = 6
 };
 
-/// Entries of a traversal stack: 7 a level; the builder cuts no deeper than this allows.
+/// Entries of a traversal stack: 7 a level, 8 of the last, of which one may be below all; the builder cuts no deeper
+/// than this allows.
 inline constexpr int kStackSize = 1024;
 inline constexpr int kMaxDepth = (kStackSize - 8) / 7;
 
@@ -147,9 +148,7 @@ struct TreeView {
     double center[4]; // [3]: 0
     double scale, inverseScale;
     bool hasTriangles, hasSpheres, hasUnbounded;
-    bool isLarge;           // more than the caches hold
-    std::uint32_t hotNodes; // nodes before this one are in use all the time
-    LeafRecord unbounded;   // primitives without finite bounds: every ray tests them
+    LeafRecord unbounded; // primitives without finite bounds: every ray tests them
 };
 
 } // namespace rt::octree

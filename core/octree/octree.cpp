@@ -67,10 +67,6 @@ void requireEqualSizes(std::size_t rays, std::size_t answers) {
                                     " rays needs as many answers, not " + std::to_string(answers));
 }
 
-/// Rays without order go in turns in trees larger than this. Below, the prototype lost 7 % at 7 MB and
-/// gained from 31 MB on, with 32 MB of L3: between the two, half of that.
-constexpr std::size_t kLargeTree = 16u << 20;
-
 /// With fewer primitives a block, most lie apart: a soup and spheres have 4.2 to 4.7; meshes, whose blocks of 512 bytes
 /// come to 53 a triangle or fewer, at least 9.
 constexpr std::size_t kLooseInBlock = 6;
@@ -223,8 +219,6 @@ void Octree::Impl::bind(const Primitives& to) {
             place(tree.narrowTriangles);
     view.places[8 + kMixedLeaf] = place(tree.records);
     view.unbounded = tree.unbounded;
-    view.hotNodes = tree.hotNodes;
-    view.isLarge = tree.bytes() > kLargeTree;
     view.hasUnbounded = tree.unbounded.triangleBlocks + tree.unbounded.sphereBlocks +
                             tree.unbounded.parallelogramBlocks + tree.unbounded.runCount >
                         0;

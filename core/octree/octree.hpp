@@ -65,8 +65,8 @@ enum class Coherence : std::uint8_t {
     /// Neighbours in the span start and point alike: camera rays of a tile in small blocks (best 4x4),
     /// shadow rays from there to one light. They are traced together, 16 at a time.
     coherent,
-    /// Neighbours have nothing in common: several are traced in turns, so that one works while
-    /// another waits for memory, where the tree is too large for the caches.
+    /// Neighbours have nothing in common: each is traced by itself, but several take turns, so that they neither
+    /// wait for memory nor make the CPU guess where a ray goes next.
     incoherent
 };
 

@@ -33,38 +33,28 @@ void scan(const TreeView& tree, const BlockCounts& counts, const Ray& ray, Hit* 
     answer(best, hit);
 }
 
-template <bool kCount>
+template <bool kCount, class Bundle, class Walk>
 inline void closestOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                          Hit* hits, Visits* visits) {
-    if (coherent)
-        closestBundles<kCount, Bundle>(tree, rays, count, hits, visits);
-    else if (tree.isLarge)
-        inTurns<kCount>(tree, rays, count, hits, visits);
-    else
-        for (std::size_t i = 0; i < count; ++i)
-            closestImpl<kCount>(tree, rays[i], hits + i, visits);
+    coherent ? closestBundles<kCount, Bundle>(tree, rays, count, hits, visits)
+             : inTurns<kCount, Walk>(tree, rays, count, hits, visits);
 }
 
-template <bool kCount>
+template <bool kCount, class Bundle, class Walk>
 inline void occludedOfAll(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                           std::uint8_t* answers, Visits* visits) {
-    if (coherent)
-        occludedBundles<kCount, Bundle>(tree, rays, count, answers, visits);
-    else if (tree.isLarge)
-        inTurns<kCount>(tree, rays, count, answers, visits);
-    else
-        for (std::size_t i = 0; i < count; ++i)
-            answers[i] = occludedImpl<kCount>(tree, rays[i], visits);
+    coherent ? occludedBundles<kCount, Bundle>(tree, rays, count, answers, visits)
+             : inTurns<kCount, Walk>(tree, rays, count, answers, visits);
 }
 
 void closestBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                   Hit* hits, Visits* visits) {
-    visits ? closestOfAll<true>(tree, rays, count, coherent, hits, visits)
-           : closestOfAll<false>(tree, rays, count, coherent, hits, nullptr);
+    visits ? closestOfAll<true, Bundle, Walk>(tree, rays, count, coherent, hits, visits)
+           : closestOfAll<false, Bundle, Walk>(tree, rays, count, coherent, hits, nullptr);
 }
 
 void occludedBatch(const TreeView& tree, const Ray* rays, std::size_t count, bool coherent,
                    std::uint8_t* answers, Visits* visits) {
-    visits ? occludedOfAll<true>(tree, rays, count, coherent, answers, visits)
-           : occludedOfAll<false>(tree, rays, count, coherent, answers, nullptr);
+    visits ? occludedOfAll<true, Bundle, Walk>(tree, rays, count, coherent, answers, visits)
+           : occludedOfAll<false, Bundle, Walk>(tree, rays, count, coherent, answers, nullptr);
 }

@@ -117,7 +117,6 @@ struct Tree {
     Array<std::uint32_t> customPrimitives, customIds;
     bool isF32 = false; // Precision::f32: all blocks but shared ones are narrow triangle blocks
     LeafRecord unbounded{};
-    std::uint32_t hotNodes = 0; // the first ones are the largest
     /// By id: kLanes · node + slot of the leaf that holds it, kNoLeaf of unbounded ones. Empty in a tree
     /// that is not to be updated.
     Array<std::uint32_t> leafOf;

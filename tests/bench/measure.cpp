@@ -230,7 +230,7 @@ void measure(const Subject& subject, const Options& options) {
     octree::BuildOptions approximate = options.build;
     approximate.precision = octree::Precision::f32;
     const Octree fast = Octree::build(primitives, approximate);
-    Answers single(rays), f32(rays), bundles(rays), turns(rays), inF32(rays), inBundles(rays);
+    Answers single(rays), f32(rays), bundles(rays), turns(rays), inF32(rays), others(rays);
 
     // The stored answers of single rays, f32 storage and Embree robust are compared below.
     std::vector<Contender> contenders;
@@ -248,20 +248,24 @@ void measure(const Subject& subject, const Options& options) {
     if (isMesh) {
         kNarrow = contenders.size();
         add("octree f32", [&](RayClass c) { ask(narrow, rays, c, f32); });
+        add("f32 in turns",
+            [&](RayClass c) { ask(narrow, rays, c, Coherence::incoherent, others); });
     }
     const std::size_t kFast = contenders.size();
     add("octree fast", [&](RayClass c) { ask(fast, rays, c, inF32); });
-    add("octree fast 16", [&](RayClass c) { ask(fast, rays, c, Coherence::coherent, inBundles); });
+    const std::size_t kFastTurns = contenders.size();
+    add("fast in turns", [&](RayClass c) { ask(fast, rays, c, Coherence::incoherent, others); });
+    add("fast 16", [&](RayClass c) { ask(fast, rays, c, Coherence::coherent, others); });
     std::size_t kRobust = 0, kDefault = 0, kRobust16 = 0;
 #ifdef RT_BENCH_EMBREE
     const auto robust = embreeScene(subject, true), plain = embreeScene(subject, false);
-    EmbreeAnswers embree(rays), others(rays);
+    EmbreeAnswers embree(rays), otherEmbree(rays);
     kRobust = contenders.size();
     add("embree robust", [&](RayClass c) { embree.ask(*robust, c, false); });
     kDefault = contenders.size();
-    add("embree default", [&](RayClass c) { others.ask(*plain, c, false); });
+    add("embree default", [&](RayClass c) { otherEmbree.ask(*plain, c, false); });
     kRobust16 = contenders.size();
-    add("embree robust 16", [&](RayClass c) { others.ask(*robust, c, true); });
+    add("embree robust 16", [&](RayClass c) { otherEmbree.ask(*robust, c, true); });
 #endif
     std::unique_ptr<TextbookOctree> textbook;
     Answers old(rays);
@@ -317,7 +321,7 @@ void measure(const Subject& subject, const Options& options) {
         };
         for (int c = 0; c < kClasses; ++c) row(kClassNames[c], "", c, contenders[kSingle]);
         for (const int c : {kPrimary, kShadow}) row(kClassNames[c], "16", c, contenders[kBundles]);
-        row(kClassNames[kRandom], "_in_turns", kRandom, contenders[kTurns]);
+        for (int c = 0; c < kClasses; ++c) row(kClassNames[c], "_in_turns", c, contenders[kTurns]);
         if (kNarrow)
             for (int c = 0; c < kClasses; ++c) row(kClassNames[c], "_f32", c, contenders[kNarrow]);
         for (int c = 0; c < kClasses; ++c) {
@@ -364,7 +368,10 @@ void measure(const Subject& subject, const Options& options) {
         std::printf("   mean %.3f\n", std::pow(product, 0.25));
     };
     for (const Contender& contender : contenders) line(contender.name.c_str(), contender, base);
-    if (kDefault) line("fast / default", contenders[kFast], contenders[kDefault]);
+    if (kDefault) {
+        line("fast / default", contenders[kFast], contenders[kDefault]);
+        line("in turns / default", contenders[kFastTurns], contenders[kDefault]);
+    }
     const auto counts = [](const char* name, const std::size_t* n) {
         std::printf("%-18s %15zu %15zu %15zu %15zu\n", name, n[0], n[1], n[2], n[3]);
     };

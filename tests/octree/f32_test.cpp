@@ -114,6 +114,28 @@ TEST_P(F32, BatchesAreNearSingleRays) {
     EXPECT_LT(others, met / 20);
 }
 
+TEST_P(F32, RaysInTurnsAreSingleRays) {
+    const Octree tree = build();
+    Random random(6);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 3000; ++i) {
+        rays.push_back(ordinaryRay(random));
+        if (i % 4 == 0) rays.back().tMax = scene().size;
+        if (i % 100 == 0) rays.back().tMax = -scene().size;
+    }
+    std::vector<Hit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    tree.closest(rays, hits, octree::Coherence::incoherent);
+    tree.occluded(rays, occluded, octree::Coherence::incoherent);
+    std::size_t met = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(same(tree.closest(rays[i]), hits[i])) << i;
+        ASSERT_EQ(tree.occluded(rays[i]), occluded[i] != 0) << i;
+        met += static_cast<bool>(hits[i]);
+    }
+    EXPECT_GT(met, 100u);
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, F32, testing::Range(0, 6));
 
 TEST(F32Rays, WithoutSenseMissEverything) {
