@@ -433,7 +433,7 @@ template <Query kQuery, class Block>
     alignas(64) float x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
     const auto *const cx = block.corner[b.kx], *const cy = block.corner[b.ky],
                       *const cz = block.corner[b.kz];
-    const std::uint32_t* const ids = idsOf(tree, block);
+    const std::uint32_t* const ids = block.id;
     store(x, filterCoordinates(tree, b, b.kx, cx, cx + kLanes));
     store(y, filterCoordinates(tree, b, b.ky, cy, cy + kLanes));
     store(z, filterCoordinates(tree, b, b.kz, cz, cz + kLanes));

@@ -307,7 +307,7 @@ template <bool kCount, class Taker>
     if (kCount) visits->triangles += trianglesOf(block);
     Met<Wide> met;
     const unsigned lanes = meetShared(block, f, taker.limit(), met);
-    return lanes && taker.take(lanes, met, idsOf(tree, block), true);
+    return lanes && taker.take(lanes, met, block.id, true);
 }
 
 // What closestFrom(), anyFrom() and crossFrom() ask of a leaf.
@@ -453,7 +453,7 @@ template <Query kQuery>
         store(x[i], (allWide(cx[i] - rx) - rays.origin.x) - shearX * pz);
         store(y[i], (allWide(cy[i] - ry) - rays.origin.y) - shearY * pz);
     }
-    const std::uint32_t* const ids = idsOf(tree, block);
+    const std::uint32_t* const ids = block.id;
     unsigned result = 0;
     for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);

@@ -29,12 +29,9 @@ void FreePlaces::freeLeaf(std::uint32_t reference) {
     case kSharedLeaf:
         tree_.shared[index].valid = 0;
         return state_.free[kShared].push_back(index);
-    case kNarrowSharedLeaf: {
-        auto& valid = tree_.narrowShared[index].valid;
-        state_.garbage += static_cast<std::uint64_t>(__builtin_popcount(valid)) * 4;
-        valid = 0;
+    case kNarrowSharedLeaf:
+        tree_.narrowShared[index].valid = 0;
         return state_.free[kNarrowShared].push_back(index);
-    }
     case kTriangleLeaf:
         return freeBlock(tree_.triangles, kTriangles, index);
     case kNarrowTriangleLeaf:

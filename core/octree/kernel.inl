@@ -347,11 +347,6 @@ inline bool isBetter(double t, const std::uint32_t* id, const Best& best) {
     return t < best.t || (best.id && *id < *best.id);
 }
 
-inline const std::uint32_t* idsOf(const TreeView&, const SharedBlock& block) { return block.id; }
-inline const std::uint32_t* idsOf(const TreeView& tree, const NarrowSharedBlock& block) {
-    return tree.narrowIds + block.ids;
-}
-
 template <class Block>
 [[gnu::always_inline]] inline SharedCorners shearShared(const Frame& f, const Block& block) {
     const F64 ox = all(f.ox), oy = all(f.oy), oz = all(f.oz);
@@ -405,7 +400,7 @@ template <class Block>
         const int i = __builtin_ctz(lanes);
         Solved s;
         if (!solveShared(f, block, p, i, best.t, s)) continue;
-        const std::uint32_t* const id = idsOf(tree, block) + i;
+        const std::uint32_t* const id = block.id + i;
         if ((exclude != 0xFFFFFFFFu && *id == exclude) || !isBetter(s.t, id, best)) continue;
         _mm_prefetch(reinterpret_cast<const char*>(id), _MM_HINT_T0);
         best.t = s.t;
@@ -428,7 +423,7 @@ template <class Block>
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
         Solved s;
-        if (solveShared(f, block, p, i, limit, s) && idsOf(tree, block)[i] != exclude) return true;
+        if (solveShared(f, block, p, i, limit, s) && block.id[i] != exclude) return true;
     }
     return false;
 }
@@ -462,7 +457,7 @@ inline bool crossShared(const TreeView& tree, const Block& block, const Frame& f
         const int i = __builtin_ctz(lanes);
         Solved s;
         if (!solveShared(f, block, p, i, last, s)) continue;
-        const std::uint32_t id = idsOf(tree, block)[i];
+        const std::uint32_t id = block.id[i];
         if (id == exclude) continue;
         if (!to.take(s.t, id, s.touches)) return false;
     }

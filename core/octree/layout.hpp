@@ -7,8 +7,7 @@
 // triangles as 3 rows of 16 bytes that index them, and ids. Most meshes live in these.
 // Triangle block, 640 bytes: the corners of up to 8 triangles as 9 rows of 8 f64, and their ids; for
 // triangles that share too few corners.
-// Narrow shared block, 256 bytes and 4 per triangle for the ids, and narrow triangle block, 320 bytes:
-// the same with corners in f32, for leaves whose corners f32 holds exactly. Kernels widen them first, so
+// Narrow shared block and narrow triangle block, 320 bytes: the same with corners in f32, for leaves whose corners f32 holds exactly. Kernels widen them first, so
 // answers are the same bits.
 // Sphere block, 320 bytes; parallelogram block, 832 bytes: likewise.
 // In a tree of Precision::f32 leaves hold narrow shared blocks, with corners in octree space, and narrow
@@ -66,10 +65,10 @@ struct alignas(64) NarrowSharedBlock {
     float corner[3][kSharedLanes];
     std::uint8_t index[3][kSharedLanes];
     std::uint32_t valid;
-    std::uint32_t ids; // of its first triangle in TreeView::narrowIds
-    std::uint32_t spare[2];
+    std::uint32_t spare[3];
+    std::uint32_t id[kSharedLanes];
 };
-static_assert(sizeof(NarrowSharedBlock) == 256);
+static_assert(sizeof(NarrowSharedBlock) == 320);
 
 struct alignas(64) NarrowTriangleBlock {
     float corner[3][3][kLanes];
@@ -132,7 +131,6 @@ struct TreeView {
     const TriangleBlock* triangles;
     const NarrowSharedBlock* narrowShared;
     const NarrowTriangleBlock* narrowTriangles;
-    const std::uint32_t* narrowIds;
     const SphereBlock* spheres;
     const ParallelogramBlock* parallelograms;
     const LeafRecord* records;

@@ -17,20 +17,19 @@ template <class Block>
 constexpr bool kShares =
     std::is_same_v<Block, SharedBlock> || std::is_same_v<Block, NarrowSharedBlock>;
 
-/// Calls visit(block, ids) with the block of a leaf and the ids of its triangles.
+/// Calls visit(block) with the block of a leaf.
 template <class AnyTree, class Visit>
 auto onBlock(AnyTree& tree, std::uint32_t leaf, const Visit& visit) {
     const std::uint32_t index = leaf & kLeafIndex;
     switch (kindOfLeaf(leaf)) {
     case kSharedLeaf:
-        return visit(tree.shared[index], tree.shared[index].id);
+        return visit(tree.shared[index]);
     case kNarrowSharedLeaf:
-        return visit(tree.narrowShared[index],
-                     tree.narrowIds.data() + tree.narrowShared[index].ids);
+        return visit(tree.narrowShared[index]);
     case kNarrowTriangleLeaf:
-        return visit(tree.narrowTriangles[index], tree.narrowTriangles[index].id);
+        return visit(tree.narrowTriangles[index]);
     default:
-        return visit(tree.triangles[index], tree.triangles[index].id);
+        return visit(tree.triangles[index]);
     }
 }
 
@@ -89,7 +88,7 @@ void openLane(T (&row)[kCount], const Before<T, kCount>& before) {
 }
 
 /// Takes a lane away and closes the gap.
-template <class Block> void dropLane(Block& block, std::uint32_t* id, int count, int lane) {
+template <class Block> void dropLane(Block& block, int lane) {
     if constexpr (kShares<Block>) {
         const Before<std::uint8_t, kSharedLanes> before(lane);
         for (auto& row : block.index) closeLane(row, before, std::uint8_t{0});
@@ -101,12 +100,7 @@ template <class Block> void dropLane(Block& block, std::uint32_t* id, int count,
             for (auto& row : corner)
                 closeLane(row, before, std::numeric_limits<Float>::quiet_NaN());
     }
-    if constexpr (std::is_same_v<Block, NarrowSharedBlock>) {
-        std::copy(id + lane + 1, id + count, id + lane);
-        id[count - 1] = kEmptyChild;
-    } else {
-        closeLane(block.id, {lane}, kEmptyChild);
-    }
+    closeLane(block.id, {lane}, kEmptyChild);
 }
 
 /// Bit per corner that a triangle of a shared block has.
@@ -212,23 +206,21 @@ void put(TriangleBlock& block, const LooseTriangle& triangle) {
         }
 }
 
-void widen(const NarrowSharedBlock& narrow, const std::uint32_t* id, SharedBlock& block) {
+void widen(const NarrowSharedBlock& narrow, SharedBlock& block) {
     for (int a = 0; a < 3; ++a)
         std::copy(std::begin(narrow.corner[a]), std::end(narrow.corner[a]), block.corner[a]);
     std::copy(&narrow.index[0][0], &narrow.index[0][0] + sizeof narrow.index, &block.index[0][0]);
-    std::fill(std::begin(block.id), std::end(block.id), kEmptyChild);
-    std::copy_n(id, countOf(narrow), block.id);
+    std::copy(std::begin(narrow.id), std::end(narrow.id), block.id);
     block.valid = narrow.valid;
     std::fill(std::begin(block.spare), std::end(block.spare), 0);
 }
 
 /// A block that holds nothing yet.
-template <class Block>
-void spread(const Block& from, const std::uint32_t* id, TriangleBlock& block) {
+template <class Block> void spread(const Block& from, TriangleBlock& block) {
     const int count = countOf(from);
     for (std::uint32_t& word : block.spare) word = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
-        block.id[lane] = lane < count ? id[lane] : kEmptyChild;
+        block.id[lane] = lane < count ? from.id[lane] : kEmptyChild;
         for (std::size_t c = 0; c < 3; ++c) {
             const Vec3 p = lane < count ? cornerOf(from, c, lane)
                                         : Vec3(std::numeric_limits<double>::quiet_NaN());
@@ -246,24 +238,24 @@ bool isTriangles(std::uint32_t leaf) {
 }
 
 std::span<const std::uint32_t> idsOfTriangles(const Tree& tree, std::uint32_t leaf) {
-    return onBlock(tree, leaf, [](const auto& block, const std::uint32_t* id) {
-        return std::span(id, static_cast<std::size_t>(countOf(block)));
+    return onBlock(tree, leaf, [](const auto& block) {
+        return std::span(block.id, static_cast<std::size_t>(countOf(block)));
     });
 }
 
 LooseTriangle triangleAt(const Tree& tree, std::uint32_t leaf, int position) {
-    return onBlock(tree, leaf, [&](const auto& block, const std::uint32_t* id) {
-        return LooseTriangle{id[position],
+    return onBlock(tree, leaf, [&](const auto& block) {
+        return LooseTriangle{block.id[position],
                              {cornerOf(block, 0, position), cornerOf(block, 1, position),
                               cornerOf(block, 2, position)}};
     });
 }
 
 numeric::Box3d dropTriangles(Tree& tree, std::uint32_t leaf, unsigned positions) {
-    return onBlock(tree, leaf, [&](auto& block, std::uint32_t* id) {
-        for (int count = countOf(block); positions; --count) {
+    return onBlock(tree, leaf, [&](auto& block) {
+        while (positions) {
             const int lane = static_cast<int>(std::bit_width(positions)) - 1;
-            dropLane(block, id, count, lane);
+            dropLane(block, lane);
             positions &= ~(1u << lane);
         }
         return boundsOf(block);
@@ -282,25 +274,21 @@ std::uint32_t leafOf(Tree& tree, Places& places, Storage storage, const LooseTri
         for (std::uint8_t c = 0; c < 3; ++c) block.index[c][0] = c;
         block.valid = 1;
         std::ranges::fill(block.spare, 0);
+        std::ranges::fill(block.id, kEmptyChild);
+        block.id[0] = triangle.id;
     };
     if (storage != Storage::f64 && std::ranges::all_of(triangle.corner, numeric::fitsF32)) {
-        const std::uint32_t place = places.take(kNarrowShared), id = places.take(kNarrowIds);
-        NarrowSharedBlock& block = tree.narrowShared[place];
-        fill(block);
-        block.ids = id;
-        tree.narrowIds[id] = triangle.id;
+        const std::uint32_t place = places.take(kNarrowShared);
+        fill(tree.narrowShared[place]);
         return leafReference(kNarrowSharedLeaf, place);
     }
     const std::uint32_t place = places.take(kShared);
-    SharedBlock& block = tree.shared[place];
-    fill(block);
-    std::ranges::fill(block.id, kEmptyChild);
-    block.id[0] = triangle.id;
+    fill(tree.shared[place]);
     return leafReference(kSharedLeaf, place);
 }
 
 bool hasRoom(const Tree& tree, std::uint32_t leaf, const LooseTriangle& triangle) {
-    return onBlock(tree, leaf, [&](const auto& block, const std::uint32_t*) {
+    return onBlock(tree, leaf, [&](const auto& block) {
         if (countOf(block) < kLanes) return true;
         if constexpr (kShares<std::remove_cvref_t<decltype(block)>>) {
             std::uint8_t at[3];
@@ -329,15 +317,14 @@ std::uint32_t addTriangle(Tree& tree, Places& places, std::uint32_t leaf,
         if (placesOfCorners(narrow, triangle.corner, at)) {
             const std::uint32_t place = places.take(kShared);
             SharedBlock& block = tree.shared[place];
-            widen(narrow, tree.narrowIds.data() + narrow.ids, block);
+            widen(narrow, block);
             put(block, triangle, at);
             return leafReference(kSharedLeaf, place);
         }
     }
     const std::uint32_t place = places.take(kTriangles);
     TriangleBlock& block = tree.triangles[place];
-    onBlock(tree, leaf,
-            [&](const auto& from, const std::uint32_t* id) { spread(from, id, block); });
+    onBlock(tree, leaf, [&](const auto& from) { spread(from, block); });
     put(block, triangle);
     return leafReference(kTriangleLeaf, place);
 }

@@ -82,12 +82,7 @@ Extent LeafWriter::measure(const Reference* first, std::uint32_t count, bool sha
                            LeafContents& scratch) const {
     Extent e;
     if (shares) {
-        if (isNarrow(first, count)) {
-            e.of[kNarrowShared] = 1;
-            e.of[kNarrowIds] = count;
-        } else {
-            e.of[kShared] = 1;
-        }
+        e.of[isNarrow(first, count) ? kNarrowShared : kShared] = 1;
     } else if (count <= kLanes && sameKind(first, count)) {
         switch (static_cast<Kind>(first->kind)) {
         case Kind::triangle:
@@ -117,15 +112,12 @@ std::uint32_t LeafWriter::write(Tree& tree, Places& places, const Reference* fir
                                 std::uint32_t count, bool shares, LeafContents& scratch) const {
     if (shares) {
         if (isNarrow(first, count)) {
-            const std::uint32_t at = places.take(kNarrowShared),
-                                idsAt = places.take(kNarrowIds, count);
-            NarrowSharedBlock& block = tree.narrowShared[at];
-            fillShared(block, tree.narrowIds.data() + idsAt, count, first, count);
-            block.ids = idsAt;
+            const std::uint32_t at = places.take(kNarrowShared);
+            fillShared(tree.narrowShared[at], first, count);
             return leafReference(kNarrowSharedLeaf, at);
         }
         const std::uint32_t at = places.take(kShared);
-        fillShared(tree.shared[at], tree.shared[at].id, kSharedLanes, first, count);
+        fillShared(tree.shared[at], first, count);
         return leafReference(kSharedLeaf, at);
     }
     if (count <= kLanes && sameKind(first, count)) {
@@ -220,15 +212,13 @@ void LeafWriter::fetchCorners(const std::uint32_t* ids, std::uint32_t count) con
             prefetchLines(triangles.positions[corner]);
 }
 
-/// `id`: room for `idLanes` ids; those beyond `count` are marked as unused.
 template <class Block>
-void LeafWriter::fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes,
-                            const Reference* first, std::uint32_t count) const {
+void LeafWriter::fillShared(Block& block, const Reference* first, std::uint32_t count) const {
     using Float = std::remove_reference_t<decltype(block.corner[0][0])>;
     std::uint32_t ids[kSharedLanes];
     for (std::uint32_t i = 0; i < count; ++i) ids[i] = first[i].id;
     std::sort(ids, ids + count);
-    for (std::uint32_t i = 0; i < idLanes; ++i) id[i] = i < count ? ids[i] : kEmptyChild;
+    for (std::uint32_t i = 0; i < kSharedLanes; ++i) block.id[i] = i < count ? ids[i] : kEmptyChild;
     fetchCorners(ids, count);
     CornerSet corners;
     block.valid = (1u << count) - 1;
@@ -348,10 +338,8 @@ void idsOfLeaf(const Tree& tree, std::uint32_t reference, std::vector<std::uint3
     switch (kindOfLeaf(reference)) {
     case kSharedLeaf:
         return addIds(tree.shared[index].id, kSharedLanes, ids);
-    case kNarrowSharedLeaf: {
-        const NarrowSharedBlock& block = tree.narrowShared[index];
-        return addIds(tree.narrowIds.data() + block.ids, __builtin_popcount(block.valid), ids);
-    }
+    case kNarrowSharedLeaf:
+        return addIds(tree.narrowShared[index].id, kSharedLanes, ids);
     case kTriangleLeaf:
         return addIds(tree.triangles[index].id, kLanes, ids);
     case kNarrowTriangleLeaf:

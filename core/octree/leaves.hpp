@@ -50,8 +50,7 @@ private:
     bool isNarrow(const Reference* first, std::uint32_t count) const;
     void fetchCorners(const std::uint32_t* ids, std::uint32_t count) const;
     template <class Block>
-    void fillShared(Block& block, std::uint32_t* id, std::uint32_t idLanes, const Reference* first,
-                    std::uint32_t count) const;
+    void fillShared(Block& block, const Reference* first, std::uint32_t count) const;
     template <class Block>
     void fillTriangles(Block& block, const std::uint32_t* ids, std::uint32_t count) const;
     void fillSpheres(SphereBlock& block, const std::uint32_t* ids, std::uint32_t count) const;

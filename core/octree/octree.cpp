@@ -196,7 +196,6 @@ void Octree::Impl::bind(const Primitives& to) {
     view.triangles = tree.triangles.data();
     view.narrowShared = tree.narrowShared.data();
     view.narrowTriangles = tree.narrowTriangles.data();
-    view.narrowIds = tree.narrowIds.data();
     view.spheres = tree.spheres.data();
     view.parallelograms = tree.parallelograms.data();
     view.records = tree.records.data();

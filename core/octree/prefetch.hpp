@@ -31,13 +31,4 @@ inline void prefetch(const Tree& tree, std::uint32_t reference) {
     }
 }
 
-/// The ids of a leaf whose block is there and does not hold them itself.
-inline void prefetchIds(const Tree& tree, std::uint32_t leaf) {
-    if (kindOfLeaf(leaf) != kNarrowSharedLeaf) return;
-    const NarrowSharedBlock& block = tree.narrowShared[leaf & kLeafIndex];
-    const std::uint32_t* const ids = tree.narrowIds.data() + block.ids;
-    _mm_prefetch(reinterpret_cast<const char*>(ids), _MM_HINT_T0);
-    _mm_prefetch(reinterpret_cast<const char*>(ids + __builtin_popcount(block.valid)), _MM_HINT_T0);
-}
-
 } // namespace rt::octree

@@ -69,7 +69,6 @@ enum Part : std::uint8_t {
     kTriangles,
     kNarrowShared,
     kNarrowTriangles,
-    kNarrowIds,
     kSpheres,
     kParallelograms,
     kRecords,
@@ -109,7 +108,6 @@ struct Tree {
     Array<TriangleBlock> triangles;
     Array<NarrowSharedBlock> narrowShared;
     Array<NarrowTriangleBlock> narrowTriangles;
-    Array<std::uint32_t> narrowIds;
     Array<SphereBlock> spheres;
     Array<ParallelogramBlock> parallelograms;
     Array<LeafRecord> records;
@@ -125,9 +123,10 @@ struct Tree {
 
     Extent extent() const {
         Extent e;
-        e.of = {size(nodes),           size(shared),    size(triangles), size(narrowShared),
-                size(narrowTriangles), size(narrowIds), size(spheres),   size(parallelograms),
-                size(records),         size(runs),      size(customIds)};
+        e.of = {size(nodes),          size(shared),          size(triangles),
+                size(narrowShared),   size(narrowTriangles), size(spheres),
+                size(parallelograms), size(records),         size(runs),
+                size(customIds)};
         return e;
     }
     void resize(const Extent& e) {
@@ -138,7 +137,6 @@ struct Tree {
         triangles.resize(e.of[kTriangles], half(e.of[kTriangles] + e.of[kNarrowTriangles]));
         narrowShared.resize(e.of[kNarrowShared]);
         narrowTriangles.resize(e.of[kNarrowTriangles]);
-        narrowIds.resize(e.of[kNarrowIds]);
         spheres.resize(e.of[kSpheres]);
         parallelograms.resize(e.of[kParallelograms]);
         records.resize(e.of[kRecords]);
@@ -148,9 +146,9 @@ struct Tree {
     }
     std::size_t bytes() const {
         return nodes.bytes() + shared.bytes() + triangles.bytes() + narrowShared.bytes() +
-               narrowTriangles.bytes() + narrowIds.bytes() + spheres.bytes() +
-               parallelograms.bytes() + records.bytes() + runs.bytes() + customPrimitives.bytes() +
-               customIds.bytes() + leafOf.bytes();
+               narrowTriangles.bytes() + spheres.bytes() + parallelograms.bytes() +
+               records.bytes() + runs.bytes() + customPrimitives.bytes() + customIds.bytes() +
+               leafOf.bytes();
     }
 
 private:

@@ -130,7 +130,6 @@ private:
     void lookInto(std::size_t at) {
         constexpr std::size_t kStep = 8;
         if (at + 2 * kStep < leaves_.size()) prefetch(tree_, leaves_[at + 2 * kStep].reference);
-        if (at + kStep < leaves_.size()) prefetchIds(tree_, leaves_[at + kStep].reference);
         MovedLeaf& leaf = leaves_[at];
         if (!isTriangles(leaf.reference)) return;
         const auto ids = idsOfTriangles(tree_, leaf.reference);

@@ -107,7 +107,6 @@ TEST(LeafEdit, ALeafOfOneIsNarrowIfThatIsExactAndWanted) {
         Tree tree;
         tree.shared.resize(1);
         tree.narrowShared.resize(1);
-        tree.narrowIds.resize(1);
         octree::Extent places;
         const std::uint32_t leaf = octree::leafOf(tree, places, storage, triangle);
         EXPECT_EQ(kind, octree::kindOfLeaf(leaf));

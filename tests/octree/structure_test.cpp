@@ -181,7 +181,6 @@ TEST_P(Structure, BytesDependOnNoThread) {
             add(tree.triangles);
             add(tree.narrowShared);
             add(tree.narrowTriangles);
-            add(tree.narrowIds);
             add(tree.spheres);
             add(tree.parallelograms);
             add(tree.records);
