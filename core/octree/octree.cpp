@@ -217,6 +217,7 @@ void Octree::Impl::bind(const Primitives& to) {
         view.places[8 + kSphereLeaf] = view.places[8 + kParallelogramLeaf] =
             place(tree.narrowTriangles);
     view.places[8 + kMixedLeaf] = place(tree.records);
+    view.places[kEmptyChild >> kLeafKindShift] = {tree.nodes.data(), 0}; // the root is at hand
     view.unbounded = tree.unbounded;
     view.hasUnbounded = tree.unbounded.triangleBlocks + tree.unbounded.sphereBlocks +
                             tree.unbounded.parallelogramBlocks + tree.unbounded.runCount >
