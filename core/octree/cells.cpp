@@ -276,7 +276,8 @@ private:
     /// that is cheapest in any number of slots.
     void merge(Cell& cell, float leafCost, float area) const {
         const Spread spread(cells_.cells_[cell.below].cost, cells_.cells_[cell.above].cost);
-        const float leaf = area * leafCost,
+        // The area of what is 2^-75 of the scene is 0, and 0 · infinity no cost.
+        const float leaf = leafCost < kInfinityF32 ? area * leafCost : kInfinityF32,
                     node = spread.cost[kNodeChildren - 2] + area * kNodeCost;
         cell.cost[0] = std::min(leaf, node);
         cell.split[0] =

@@ -119,8 +119,8 @@ enum LeafKind : std::uint32_t {
     kNarrowTriangleLeaf = 6
 };
 
-/// Entries of a traversal stack: 7 a level, 8 of the last, of which one may be below all; the builder cuts no deeper
-/// than this allows.
+/// Entries of a traversal stack: 7 a level, and one more of the last above one that marks the end; the builder cuts no
+/// deeper than this allows.
 inline constexpr int kStackSize = 1024;
 inline constexpr int kMaxDepth = (kStackSize - 8) / 7;
 

@@ -272,6 +272,37 @@ TEST(BatchOf, RandomRaysInALargeTreeEqualsSingleRays) {
     }
 }
 
+/// Stacks of rays in turns are as long as the tree is high, side by side.
+TEST(BatchOf, RaysInADeepTreeEqualsSingleRays) {
+    Scene scene;
+    scene.name = "deep";
+    std::vector<geometry::Sphere> spheres;
+    for (int level = 0; level < 100; ++level)
+        for (unsigned octant = 0; octant < 8; ++octant) {
+            const double x = std::exp2(-level);
+            spheres.push_back(
+                {Vec3(octant & 1 ? x : -x, octant & 2 ? x : -x, octant & 4 ? x : -x), 0.3 * x});
+        }
+    addSpheres(*scene.primitives, spheres);
+    Random random(37);
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < rayCount(2000); ++i) { // past the middle, ever nearer
+        Ray ray;
+        ray.origin = random.direction() * random.in(0, 4);
+        ray.direction = random.inBox(std::exp2(-random.in(0, 90))) - ray.origin;
+        rays.push_back(ray);
+    }
+    for (const Simd simd : kLevels) {
+        if (!Octree::supports(simd)) continue;
+        const Octree tree = Octree::build(
+            *scene.primitives, {.maxObjects = 1, .tuning = {.leastCut = 1}, .simd = simd});
+        EXPECT_GT(tree.statistics().depth, 25u);
+        EXPECT_GT(
+            expectSameBits(tree, rays, "SIMD level " + std::to_string(static_cast<int>(simd))),
+            rays.size() / 2);
+    }
+}
+
 /// Triangles that lie apart: shadow rays that start close together are traced together, wherever they are in the batch.
 TEST(BatchOf, ShadowRaysFromStrewnTrianglesEqualsSingleRays) {
     Primitives p;

@@ -258,6 +258,20 @@ TEST(Structure, NoLeafHasMoreThanMaxObjects) {
     }
 }
 
+/// The surface of what is small enough is 0 in f32; that of the cells around it is not.
+TEST(Structure, WhatHasNoAreaInF32LeavesTheRestItsCells) {
+    Primitives p;
+    Random random(41);
+    // The middle of all is 0, near which f32 tells apart what is small.
+    std::vector<geometry::Sphere> spheres{{{-1, -1, -1}, 0.1}, {{1, 1, 1}, 0.1}};
+    for (int i = 0; i < 400; ++i) spheres.push_back({random.inBox(1), 0.01});
+    for (int i = 0; i < 40; ++i) spheres.push_back({random.inBox(std::exp2(-90)), std::exp2(-95)});
+    addSpheres(p, spheres);
+    const auto statistics = octree::Octree::build(p).statistics();
+    EXPECT_GT(statistics.leaves, 50u);
+    EXPECT_LE(statistics.leafHistogram.size(), 17u);
+}
+
 TEST(Structure, ThreadsShareLargeTreesTheSameWay) {
     // Big enough for the parallel passes over one cell.
     const Mesh ball = icosphere(6, 1, Vec3(0.0), 0.1);
