@@ -433,7 +433,6 @@ template <Query kQuery, class Block>
     alignas(64) float x[kSharedLanes], y[kSharedLanes], z[kSharedLanes];
     const auto *const cx = block.corner[b.kx], *const cy = block.corner[b.ky],
                       *const cz = block.corner[b.kz];
-    const std::uint32_t* const ids = block.id;
     store(x, filterCoordinates(tree, b, b.kx, cx, cx + kLanes));
     store(y, filterCoordinates(tree, b, b.ky, cy, cy + kLanes));
     store(z, filterCoordinates(tree, b, b.kz, cz, cz + kLanes));
@@ -458,7 +457,7 @@ template <Query kQuery, class Block>
             const int p = block.index[0][i], q = block.index[1][i], r = block.index[2][i];
             result |= testTriangle<kQuery>(b, rays, at, shear(rays, cx[p], cy[p], cz[p]),
                                            shear(rays, cx[q], cy[q], cz[q]),
-                                           shear(rays, cx[r], cy[r], cz[r]), ids[i]);
+                                           shear(rays, cx[r], cy[r], cz[r]), block.id[i]);
         }
     }
     return result;

@@ -453,7 +453,6 @@ template <Query kQuery>
         store(x[i], (allWide(cx[i] - rx) - rays.origin.x) - shearX * pz);
         store(y[i], (allWide(cy[i] - ry) - rays.origin.y) - shearY * pz);
     }
-    const std::uint32_t* const ids = block.id;
     unsigned result = 0;
     for (unsigned lanes = block.valid; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
@@ -471,7 +470,8 @@ template <Query kQuery>
                                 ((u * loadWide(z[p]) + v * loadWide(z[q])) + w * loadWide(z[r])) *
                                 inverse,
                             v * inverse, w * inverse};
-        result |= taken<kQuery, true>(tree, b, in & bitsLess(allWide(kStart), met.t), met, ids[i]);
+        result |=
+            taken<kQuery, true>(tree, b, in & bitsLess(allWide(kStart), met.t), met, block.id[i]);
     }
     return result;
 }

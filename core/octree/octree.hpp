@@ -161,6 +161,7 @@ public:
     /// std::logic_error.
     Hit closestWithoutTree(const Ray& ray) const;
 
+    /// Visits the whole tree. std::logic_error if a node says that it is lower than it is.
     Statistics statistics() const;
     /// "avx512", "avx2" or "baseline": what this process runs.
     /// Throws std::invalid_argument if RT_SIMD names another, or one that this CPU does not have.

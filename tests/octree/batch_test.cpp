@@ -266,6 +266,7 @@ TEST(BatchOf, RandomRaysInALargeTreeEqualsSingleRays) {
     for (const Simd simd : kLevels) {
         if (!Octree::supports(simd)) continue;
         const Octree tree = Octree::build(p, {.storage = octree::Storage::f64, .simd = simd});
+        ASSERT_GT(tree.statistics().bytes, 16u << 20) << "not large";
         EXPECT_GT(
             expectSameBits(tree, rays, "SIMD level " + std::to_string(static_cast<int>(simd))),
             rays.size() / 2);
