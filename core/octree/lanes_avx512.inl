@@ -198,7 +198,7 @@ inline double productPlus(double a, double b, double c) { return __builtin_fma(a
 inline Four narrow(Quad a) { return {_mm256_cvtpd_ps(a.v)}; }
 /// Number i of four.
 template <int i> inline F32 all(Four a) {
-    return {_mm256_broadcastss_ps(_mm_permute_ps(a.v, 0x55 * i))};
+    return {_mm256_permutevar8x32_ps(_mm256_castps128_ps256(a.v), _mm256_set1_epi32(i))};
 }
 
 /// Visiting order of a ray: far slots first.
@@ -281,13 +281,19 @@ struct alignas(64) SharedArray {
     double z[kSharedLanes];                                   // by corner
 };
 
+/// An edge function is the difference of two products, and has the sign of their comparison.
+struct Products {
+    F64 plus, minus;
+};
+
 /// Triangles of a shared block that the ray's line meets: their f64 edge functions agree in sign. 16 at once
-/// cost no more than an f32 filter of them (octree_bench, bunny, Xeon with AVX-512: 4 % faster).
+/// cost no more than an f32 filter of them (octree_bench, bunny, Xeon with AVX-512: 4 % faster), and comparing products
+/// takes less long than subtracting them and comparing what is least and most with 0 (1 to 3 % faster).
 template <class Block>
 [[gnu::always_inline]] inline unsigned candidates(const Block& block, const SharedCorners& corners,
                                                   double, SharedArray& to) {
-    F64 u[2], v[2], w[2];
-    unsigned in = block.valid;
+    Products u[2], v[2], w[2];
+    unsigned in = 0;
     for (int half = 0; half < 2; ++half) {
         const auto indices = [&](int corner) {
             return _mm512_cvtepu8_epi64(_mm_loadl_epi64(
@@ -300,20 +306,23 @@ template <class Block>
         const auto y = [&](__m512i i) -> F64 {
             return {_mm512_permutex2var_pd(corners.y0.v, i, corners.y1.v)};
         };
-        u[half] = x(c) * y(b) - y(c) * x(b);
-        v[half] = x(a) * y(c) - y(a) * x(c);
-        w[half] = x(b) * y(a) - y(b) * x(a);
-        const F64 least = smaller(smaller(u[half], v[half]), w[half]),
-                  most = larger(larger(u[half], v[half]), w[half]);
-        const unsigned out =
-            _mm512_mask_cmp_pd_mask(least < all(0.0), most.v, all(0.0).v, _CMP_GT_OQ);
-        in &= ~(out << (kLanes * half));
+        u[half] = {x(c) * y(b), y(c) * x(b)};
+        v[half] = {x(a) * y(c), y(a) * x(c)};
+        w[half] = {x(b) * y(a), y(b) * x(a)};
+        const Mask noneAbove =
+            both(both(u[half].plus <= u[half].minus, v[half].plus <= v[half].minus),
+                 w[half].plus <= w[half].minus);
+        const Mask noneBelow =
+            both(both(u[half].plus >= u[half].minus, v[half].plus >= v[half].minus),
+                 w[half].plus >= w[half].minus);
+        in |= bits(either(noneAbove, noneBelow)) << (kLanes * half);
     }
+    in &= block.valid;
     if (!in) return 0;
     for (int half = 0; half < 2; ++half) {
-        store(to.u + kLanes * half, u[half]);
-        store(to.v + kLanes * half, v[half]);
-        store(to.w + kLanes * half, w[half]);
+        store(to.u + kLanes * half, u[half].plus - u[half].minus);
+        store(to.v + kLanes * half, v[half].plus - v[half].minus);
+        store(to.w + kLanes * half, w[half].plus - w[half].minus);
     }
     store(to.z, corners.z0);
     store(to.z + kLanes, corners.z1);
