@@ -768,7 +768,7 @@ inline void trace(const TreeView& tree, const Ray* rays, unsigned count, Bundle&
             mask = mayMeet(tree.nodes[current], b.boxes, all(limit), enter);
         }
         if (mask) {
-            const unsigned nearest = kTables.nearest[order.mirror][mask];
+            const unsigned nearest = foretold(kTables.nearest[order.mirror][mask]);
             fetch(tree, tree.nodes[current].child[nearest]);
             pushSlots(order, current << 3, enter, mask & ~(1u << nearest), slots, enters, top);
             child = current << 3 | nearest;

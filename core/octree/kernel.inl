@@ -692,6 +692,35 @@ inline void fetchRest(const TreeView& tree, std::uint32_t leaf) {
     for (std::size_t at = kFirstLines; at < size; at += kLine) _mm_prefetch(from + at, _MM_HINT_T0);
 }
 
+/// `slot`, by a jump for each value. CPUs foretell jumps: what is read with the result need not wait for the test of the
+/// boxes that chose it (octree_bench, Xeon with AVX-512, rays alone: primary, shadow and mirrored ones 8 to 44 % faster;
+/// random ones, whose way nobody can foretell, 2 to 17 % slower).
+[[gnu::always_inline]] inline unsigned foretold(unsigned slot) {
+    // Opaque, or the compiler would see through it.
+    const auto exactly = [](unsigned s) {
+        __asm__ volatile("" : "+r"(s));
+        return s;
+    };
+    switch (slot) {
+    case 0:
+        return exactly(0);
+    case 1:
+        return exactly(1);
+    case 2:
+        return exactly(2);
+    case 3:
+        return exactly(3);
+    case 4:
+        return exactly(4);
+    case 5:
+        return exactly(5);
+    case 6:
+        return exactly(6);
+    default:
+        return exactly(7);
+    }
+}
+
 /// Goes on with `best` below one node or leaf.
 template <bool kCount, class Lanes, class Limits, class Frame, class Best>
 [[gnu::always_inline]] inline void
@@ -701,7 +730,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray,
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
     std::size_t top = 0;
-    references[0] = current;
+    const std::uint8_t* const nearest = kTables.nearest[order.mirror];
     float limit = limitOf(limits, best.t);
     for (;;) {
         if (!(current & kLeaf)) {
@@ -710,7 +739,10 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray,
             F32 enter;
             const unsigned mask = meets(current, lanes, all(limit), enter);
             if (mask) {
-                current = pushFar(order, node, enter, mask, references, enters, top);
+                const unsigned next = foretold(nearest[mask]);
+                pushAll(order, node, enter, mask & ~(1u << next), references, enters, top);
+                current = node.child[next];
+                // Costs primary and mirrored rays 2 to 4 %; random ones of large trees gain 7 to 8.
                 fetch(tree, references[top - (top != 0)]); // comes after `current`
                 continue;
             }
@@ -847,6 +879,7 @@ template <bool kCount, class Lanes, class Frame, class Real>
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
+    const std::uint8_t* const farthest = kTables.nearest[mirror ^ 7];
     for (;;) {
         if (!(current & kLeaf)) {
             const Node& node = tree.nodes[current];
@@ -854,7 +887,9 @@ template <bool kCount, class Lanes, class Frame, class Real>
             F32 enter;
             const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
-                current = pushAny(mirror, node, mask, references, top);
+                const unsigned next = foretold(farthest[mask]);
+                pushAny(node, mask & ~(1u << next), references, top);
+                current = node.child[next];
                 continue;
             }
         } else if (anyInLeaf<kCount>(tree, current, ray, f, exclude, last, visits)) {
@@ -988,6 +1023,7 @@ template <bool kCount, class Lanes, class Frame, class Real>
     const F32 limit = all(boxLimit);
     std::uint32_t references[kStackSize];
     std::size_t top = 0;
+    const std::uint8_t* const farthest = kTables.nearest[mirror ^ 7];
     for (;;) {
         if (!(current & kLeaf)) {
             const Node& node = tree.nodes[current];
@@ -995,7 +1031,9 @@ template <bool kCount, class Lanes, class Frame, class Real>
             F32 enter;
             const unsigned mask = meets(current, lanes, limit, enter);
             if (mask) {
-                current = pushAny(mirror, node, mask, references, top);
+                const unsigned next = foretold(farthest[mask]);
+                pushAny(node, mask & ~(1u << next), references, top);
+                current = node.child[next];
                 continue;
             }
         } else if (!crossInLeaf<kCount>(tree, current, f, exclude, last, to, visits)) {

@@ -330,17 +330,6 @@ inline __m256i compressing(unsigned mask) {
     top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
-/// As pushAll(), but for the nearest, which is returned.
-[[gnu::always_inline]] inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter,
-                                                    unsigned mask, std::uint32_t* references,
-                                                    float* enters, std::size_t& top) {
-    const unsigned nearest = kTables.nearest[order.mirror][mask];
-    const std::uint32_t next = node.child[nearest];
-    mask &= ~(1u << nearest);
-    if (mask) pushAll(order, node, enter, mask, references, enters, top);
-    return next;
-}
-
 /// Puts slots of a node on the stack, farthest first, as base + slot.
 [[gnu::always_inline]] inline void pushSlots(const Order& order, std::uint32_t base, F32 enter,
                                              unsigned mask, std::uint32_t* references,
@@ -352,19 +341,13 @@ inline __m256i compressing(unsigned mask) {
     top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
-/// Puts all children in `mask` but the farthest on the stack in any order; returns the farthest. `mirror`: of the ray.
-[[gnu::always_inline]] inline std::uint32_t pushAny(unsigned mirror, const Node& node,
-                                                    unsigned mask, std::uint32_t* references,
-                                                    std::size_t& top) {
-    const unsigned farthest = kTables.nearest[mirror ^ 7][mask];
-    const std::uint32_t next = node.child[farthest];
-    mask &= ~(1u << farthest);
-    if (!mask) return next;
+/// Puts the children in `mask` on the stack in any order.
+[[gnu::always_inline]] inline void pushAny(const Node& node, unsigned mask,
+                                           std::uint32_t* references, std::size_t& top) {
     const __m256i child = _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_permutevar8x32_epi32(child, compressing(mask)));
     top += static_cast<unsigned>(__builtin_popcount(mask));
-    return next;
 }
 
 /// 16 sheared corners in the order of SharedBlock::corner.

@@ -226,16 +226,6 @@ inline void pushAll(const Order& order, const Node& node, F32 enter, unsigned ma
     top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
-/// As pushAll(), but for the nearest, which is returned.
-inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, std::size_t& top) {
-    const unsigned nearest = kTables.nearest[order.mirror][mask];
-    const std::uint32_t next = node.child[nearest];
-    // Often nothing, unpredictably: storing it beats a branch.
-    pushAll(order, node, enter, mask & ~(1u << nearest), references, enters, top);
-    return next;
-}
-
 /// Puts slots of a node on the stack, farthest first, as base + slot.
 inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
                       std::uint32_t* references, float* enters, std::size_t& top) {
@@ -249,19 +239,13 @@ inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigne
     top += static_cast<unsigned>(__builtin_popcount(mask));
 }
 
-/// Puts all children in `mask` but the farthest on the stack in any order; returns the farthest. `mirror`: of the ray.
-inline std::uint32_t pushAny(unsigned mirror, const Node& node, unsigned mask,
-                             std::uint32_t* references, std::size_t& top) {
-    const unsigned farthest = kTables.nearest[mirror ^ 7][mask];
-    const std::uint32_t next = node.child[farthest];
-    mask &= ~(1u << farthest);
-    if (!mask) return next;
+/// Puts the children in `mask` on the stack in any order.
+inline void pushAny(const Node& node, unsigned mask, std::uint32_t* references, std::size_t& top) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(references + top),
                         _mm256_maskz_compress_epi32(
                             static_cast<__mmask8>(mask),
                             _mm256_load_si256(reinterpret_cast<const __m256i*>(node.child))));
     top += static_cast<unsigned>(__builtin_popcount(mask));
-    return next;
 }
 
 /// 16 sheared corners in the order of SharedBlock::corner.

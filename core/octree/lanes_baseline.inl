@@ -361,15 +361,6 @@ inline void pushAll(const Order& order, const Node& node, F32 enter, unsigned ma
     }
 }
 
-/// As pushAll(), but for the nearest, which is returned.
-inline std::uint32_t pushFar(const Order& order, const Node& node, F32 enter, unsigned mask,
-                             std::uint32_t* references, float* enters, std::size_t& top) {
-    const unsigned nearest = kTables.nearest[order.mirror][mask];
-    mask &= ~(1u << nearest);
-    if (mask) pushAll(order, node, enter, mask, references, enters, top);
-    return node.child[nearest];
-}
-
 /// Puts slots of a node on the stack, farthest first, as base + slot.
 inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigned mask,
                       std::uint32_t* references, float* enters, std::size_t& top) {
@@ -384,13 +375,9 @@ inline void pushSlots(const Order& order, std::uint32_t base, F32 enter, unsigne
     }
 }
 
-/// Puts all children in `mask` but the farthest on the stack in any order; returns the farthest. `mirror`: of the ray.
-inline std::uint32_t pushAny(unsigned mirror, const Node& node, unsigned mask,
-                             std::uint32_t* references, std::size_t& top) {
-    const unsigned farthest = kTables.nearest[mirror ^ 7][mask];
-    for (mask &= ~(1u << farthest); mask; mask &= mask - 1)
-        references[top++] = node.child[__builtin_ctz(mask)];
-    return node.child[farthest];
+/// Puts the children in `mask` on the stack in any order.
+inline void pushAny(const Node& node, unsigned mask, std::uint32_t* references, std::size_t& top) {
+    for (; mask; mask &= mask - 1) references[top++] = node.child[__builtin_ctz(mask)];
 }
 
 /// 16 sheared corners in the order of SharedBlock::corner.
