@@ -100,16 +100,16 @@ void closedMeshes(const Load& load, Table& table) {
           load, table);
     // Concave, with sharp edges, and with faces in planes of the axes.
     leaks("T1", "torus 5400", test::torus(90, 30, 1, 0.4, Vec3(-1, 0, 0)), 0.1,
-          {{Aim::edges, "edges", load.of(100'000, 10'000'000), {}}}, load, table);
+          {{Aim::edges, "edges", load.of(100'000, 20'000'000), {}}}, load, table);
     leaks("T1", "box 1728", test::box(12, {1, 0.5, 0.25}, Vec3(0.0)), 0.2,
-          {{Aim::edges, "edges", load.of(100'000, 10'000'000), {}}}, load, table);
+          {{Aim::edges, "edges", load.of(100'000, 20'000'000), {}}}, load, table);
     leaks("T2", "needles 2000 x 8", test::needles(2000, 8, Vec3(1.0), Vec3(0.0)), 0.3,
           {{Aim::vertices, "vertices", rays, {}}, {Aim::edges, "edges", rays, {}}}, load, table);
     // Far smaller than any determinant that a program would dare to call zero.
     Leaks tiny;
     for (const double scale : {1 / 1e3, 1 / 1e9, 1 / 1e15, 1 / 1e30, 1e30})
         tiny += ClosedMesh(placed(ball, scale, Vec3(0.0)), Vec3(0.0), 0.4 * scale)
-                    .leaks(Aim::edges, load.of(20'000, 2'000'000), load.seed);
+                    .leaks(Aim::edges, load.of(20'000, 4'000'000), load.seed);
     table.count("T4", "icosphere 20480 x 1e-3, 1e-9, 1e-15, 1e-30, 1e30: rays that leave it",
                 tiny.wrong(), tiny.rays);
 }
