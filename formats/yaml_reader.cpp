@@ -121,8 +121,9 @@ public:
         end();
     }
 
-    [[noreturn]] void fail(Code code, Location location, std::string message) const {
-        diagnostics_.error(code, std::move(location), std::move(message));
+    [[noreturn]] void fail(Code code, Location location, std::string message,
+                           std::string hint = {}) const {
+        diagnostics_.error(code, std::move(location), std::move(message), std::move(hint));
         throw Abandoned{};
     }
 
@@ -283,13 +284,15 @@ private:
             fail(kTooManyNodes, location,
                  "the document has more than " + plural(limits_.nodes, "node") +
                      ", aliases expanded; "
-                     "large geometry belongs into a mesh file");
+                     "large geometry belongs into a mesh file",
+                 "--limit-nodes allows more");
     }
 
     [[noreturn]] void failDepth(Location location) const {
         fail(kTooDeep, std::move(location),
              "lists and maps are nested deeper than " + std::to_string(limits_.nesting) +
-                 " levels here");
+                 " levels here",
+             "--limit-nesting allows more");
     }
 
     std::shared_ptr<const scene::Source> source_;
@@ -484,7 +487,7 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source, Diagn
 
 std::optional<Node> readYaml(const std::string& path, Diagnostics& diagnostics,
                              const scene::Limits& limits) {
-    auto source = scene::readSource(path, mostBytes(limits), diagnostics);
+    auto source = scene::readSource(path, mostBytes(limits), diagnostics, {}, "--limit-file");
     return source ? parseYaml(std::move(source), diagnostics, limits) : std::nullopt;
 }
 

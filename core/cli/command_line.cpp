@@ -326,7 +326,7 @@ private:
         whole("--limit-nesting", "Refuse lists and maps nested deeper; 64 by default.",
               scene::kDeepestNesting, limits.nesting);
         bytes("--limit-file",
-              "Refuse larger input files, such as 64M; 16M for scenes by default, 4G for meshes.",
+              "Refuse larger input files, such as 64M; 8M for scenes by default, 4G for meshes.",
               limits.fileBytes);
         bytes("--limit-memory", "Use no more memory, such as 2G; what the machine has by default.",
               limits.memory);

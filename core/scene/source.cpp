@@ -3,15 +3,21 @@
 #include <core/scene/input_file.hpp>
 
 namespace rt::scene {
+namespace {
+
+constexpr Code kTooLarge{710};
+
+} // namespace
 
 std::shared_ptr<const Source> readSource(const std::string& path, std::uint64_t maxBytes,
-                                         Diagnostics& diagnostics, const Location& namedAt) {
+                                         Diagnostics& diagnostics, const Location& namedAt,
+                                         const std::string& raisedBy) {
     auto source = std::make_shared<Source>(Source{path, {}});
-    const auto refuse = [&](Code code, const std::string& reason) {
+    const auto refuse = [&](Code code, const std::string& reason, const std::string& hint = {}) {
         if (namedAt.source)
-            diagnostics.error(code, namedAt, quoted(path) + ": " + reason);
+            diagnostics.error(code, namedAt, quoted(path) + ": " + reason, hint);
         else
-            diagnostics.error(code, {source}, reason);
+            diagnostics.error(code, {source}, reason, hint);
         return nullptr;
     };
     const auto opened = InputFile::open(path);
@@ -19,7 +25,9 @@ std::shared_ptr<const Source> readSource(const std::string& path, std::uint64_t 
         return refuse(refusal->code, refusal->reason);
     auto text = std::get<InputFile>(opened).read(maxBytes);
     if (const auto* refusal = std::get_if<FileRefusal>(&text))
-        return refuse(refusal->code, refusal->reason);
+        return refuse(refusal->code, refusal->reason,
+                      refusal->code == kTooLarge && !raisedBy.empty() ? raisedBy + " allows more"
+                                                                      : "");
     source->text = std::move(std::get<std::string>(text));
     return source;
 }

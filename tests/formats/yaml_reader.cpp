@@ -327,7 +327,8 @@ TEST_F(YamlFiles, RefusesLargeFilesBeforeReadingThem) {
     std::filesystem::resize_file((folder_ / "large.yaml"), std::uintmax_t{1} << 40); // sparse
     EXPECT_EQ(
         read(folder_ / "large.yaml"),
-        "7 large.yaml: error[E0710]: is larger than 8 MiB, the most that a text file may have\n");
+        "7 large.yaml: error[E0710]: is larger than 8 MiB, the most that a text file may have; "
+        "--limit-file allows more\n");
 }
 
 } // namespace
