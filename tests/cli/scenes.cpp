@@ -36,7 +36,7 @@ std::vector<Malformed> malformed() {
         {"rt: 1\nimage: \377\n", 3, "scene.yaml:2:8: error[E0355]: the byte '\\xff' is no UTF-8; save the file as UTF-8"},
         {"rt: 1\n[1, 2]: 3\n", 3, "scene.yaml:2:1: error[E0359]: a key must be a word, not a list or a map"},
         {"rt: 1\n<<: 3\n", 3, "scene.yaml:2:1: error[E0360]: '<<' merges a map or a list of maps, such as '<<: *name'"},
-        {"rt: 1\nobjects: [[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]\n", 7, "scene.yaml:2:73: error[E0711]: lists and maps are nested deeper than 64 levels here"},
+        {"rt: 1\nobjects: [[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]\n", 7, "scene.yaml:2:73: error[E0711]: lists and maps are nested deeper than 64 levels here; --limit-nesting allows more"},
         {"@objects:\n  - sphere: {radius: 1}\n", 3, "scene.yaml:1:1: error[E0302]: the scene needs the key 'rt', the version of its language; start with 'rt: 1'"},
         {"rt: 2\n@", 3, "scene.yaml:1:5: error[E0322]: the scene needs version 2 of the scene language; this program knows version 1; install a newer rt"},
         {"rt: one\n@", 3, "scene.yaml:1:5: error[E0304]: the scene, rt: must be a whole number (got one)"},
