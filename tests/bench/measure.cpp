@@ -158,6 +158,29 @@ double bytesTouched(const octree::Visits& visits, const octree::Statistics& tree
            static_cast<double>(visits.triangles + visits.spheres) * perPrimitive;
 }
 
+/// Seconds a ray, of some of a class, each asked over and over: then all that it reads is in L1 and every branch foretold, and
+/// what is left is how fast the core issues instructions, many rays side by side.
+double secondsAtIssueRate(const Octree& tree, const Rays& rays, int c) {
+    constexpr std::size_t kSome = 1000;
+    constexpr int kTimes = 200;
+    const auto& list = rays.of[c];
+    std::size_t asked = 0;
+    double seconds = 0;
+    const auto repeat = [&](const geometry::Ray& ray) {
+        for (int i = 0; i < kTimes; ++i)
+            if (c == kShadow)
+                tree.occluded(ray);
+            else
+                tree.closest(ray);
+    };
+    for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(1, list.size() / kSome)) {
+        repeat(list[i]);
+        seconds += cpuSecondsOf([&] { repeat(list[i]); });
+        asked += kTimes;
+    }
+    return seconds / static_cast<double>(asked);
+}
+
 } // namespace
 
 Subject subjectOf(Mesh mesh) {
@@ -399,11 +422,13 @@ void measure(const Subject& subject, const Options& options) {
             std::printf("\n");
         };
         values("nodes/ray", [&](int c) { return nodes[c]; });
+        values("boxes/ray", [&](int c) { return 8 * nodes[c]; });
         values("primitives/ray", [&](int c) { return tests[c]; });
         values("bytes/ray", [&](int c) { return bytes[c]; });
         values("ns/ray", [&](int c) { return 1e3 / mrays(contenders[kSingle], c); });
         values("ns/ray at best: L2", [&](int c) { return bytes[c] / machine.l2Bandwidth * 1e9; });
         values("  L3 or memory", [&](int c) { return bytes[c] / machine.memoryBandwidth * 1e9; });
+        values("  issue rate", [&](int c) { return secondsAtIssueRate(tree, rays, c) * 1e9; });
         std::printf("one thread reads %.1f GB/s from L2 and %.1f GB/s from memory\n",
                     machine.l2Bandwidth / 1e9, machine.memoryBandwidth / 1e9);
     }
