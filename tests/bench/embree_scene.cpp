@@ -49,6 +49,15 @@ struct EmbreeScene::Impl {
     ssize_t monitored = 0;
 };
 
+EmbreeRay embreeRay(const geometry::Ray& r) {
+    return {{static_cast<float>(r.origin.x), static_cast<float>(r.origin.y),
+             static_cast<float>(r.origin.z)},
+            static_cast<float>(r.tMax),
+            {static_cast<float>(r.direction.x), static_cast<float>(r.direction.y),
+             static_cast<float>(r.direction.z)},
+            0};
+}
+
 EmbreeScene::EmbreeScene(const Mesh& mesh, bool robust, int threads)
     : impl_(std::make_unique<Impl>(robust, threads)) {
     RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -13,6 +13,9 @@ namespace rt::bench {
 struct EmbreeRay {
     float origin[3], tMax, direction[3], reserved;
 };
+/// What f32 holds of a ray.
+EmbreeRay embreeRay(const geometry::Ray& ray);
+
 struct EmbreeHit {
     float t, u, v;
     std::uint32_t id; // 0xFFFFFFFF: none

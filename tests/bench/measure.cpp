@@ -90,13 +90,7 @@ void addSegment(geometry::Primitives& p, geometry::Kind kind, std::size_t count)
 #ifdef RT_BENCH_EMBREE
 std::vector<EmbreeRay> embreeRays(const std::vector<geometry::Ray>& rays) {
     std::vector<EmbreeRay> narrow;
-    for (const auto& r : rays)
-        narrow.push_back({{static_cast<float>(r.origin.x), static_cast<float>(r.origin.y),
-                           static_cast<float>(r.origin.z)},
-                          static_cast<float>(r.tMax),
-                          {static_cast<float>(r.direction.x), static_cast<float>(r.direction.y),
-                           static_cast<float>(r.direction.z)},
-                          0});
+    for (const auto& r : rays) narrow.push_back(embreeRay(r));
     return narrow;
 }
 

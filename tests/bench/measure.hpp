@@ -47,4 +47,7 @@ void measureMoves(const Subject& subject, const Options& options);
 /// moving frame. One line for each class of rays.
 void measureInstance(const Subject& subject, const Options& options);
 
+/// How many of about `rays` rays at corners, and as many at edges, leave closed meshes from inside; one line for each.
+void measureLeaks(std::uint64_t rays);
+
 } // namespace rt::bench

@@ -4,6 +4,7 @@
 // octree_bench --spheres [flake|random...]                       against Embree's points
 // octree_bench --moves [MESH...]                                 updates of moved primitives
 // octree_bench --instance [MESH...]                              a rigid body in a tree of its own
+// octree_bench --leaks RAYS                                      rays out of closed meshes, at corners and edges
 // octree_bench --sweep CONSTANT [MESH...]                        max_objects, bins, least_cut or block_cost
 //
 // A MESH is a file that rt's loader reads, or one that bench_meshes.hpp makes. All structures take turns
@@ -12,6 +13,8 @@
 // Embree's robust mode, single rays; "octree fast", Precision::f32, has one against the default mode too.
 #include "measure.hpp"
 
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
@@ -24,6 +27,7 @@ namespace {
 int run(int argc, char** argv) {
     Options options;
     bool spheres = false, moves = false, instance = false;
+    std::uint64_t leaks = 0; // rays
     std::string constant;
     std::vector<std::string> names;
     for (int i = 1; i < argc; ++i) {
@@ -31,6 +35,15 @@ int run(int argc, char** argv) {
         const auto value = [&]() -> std::string {
             if (i + 1 >= argc) throw std::runtime_error(word + " needs a value");
             return argv[++i];
+        };
+        const auto number = [&] {
+            const std::string text = value();
+            std::uint64_t n = 0;
+            const char* const end = text.data() + text.size();
+            if (std::from_chars(text.data(), end, n).ptr != end || n < 1)
+                throw std::runtime_error(word + " needs a whole number of at least 1, not '" +
+                                         text + "'");
+            return n;
         };
         if (word == "--json")
             options.json = true;
@@ -45,15 +58,20 @@ int run(int argc, char** argv) {
         else if (word == "--physical")
             options.physical = true;
         else if (word == "--rounds")
-            options.rounds = std::stoi(value());
+            options.rounds = static_cast<int>(number());
         else if (word == "--sweep")
             constant = value();
+        else if (word == "--leaks")
+            leaks = number();
         else if (word.starts_with("--"))
             throw std::runtime_error("no option " + word);
         else
             names.push_back(word);
     }
-    if (options.rounds < 1) throw std::runtime_error("--rounds must be at least 1");
+    if (leaks) {
+        measureLeaks(leaks);
+        return 0;
+    }
     if (names.empty())
         names = spheres ? std::vector<std::string>{"flake", "random"}
                 : moves || instance
