@@ -730,6 +730,7 @@ closestFrom(const TreeView& tree, std::uint32_t current, const Ray& ray,
     std::uint32_t references[kStackSize];
     float enters[kStackSize];
     std::size_t top = 0;
+    references[0] = current;
     const std::uint8_t* const nearest = kTables.nearest[order.mirror];
     float limit = limitOf(limits, best.t);
     for (;;) {
