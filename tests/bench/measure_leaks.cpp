@@ -66,8 +66,8 @@ void measureLeaks(std::uint64_t rays) {
             std::uint64_t asked = 0;
             for (; asked < rays; asked += kBatch) {
                 for (Ray& ray : batch) {
-                    const auto& face = mesh.indices[random.below(
-                        static_cast<std::uint32_t>(mesh.indices.size()))];
+                    const auto& face =
+                        mesh.indices[random.below(static_cast<std::uint32_t>(mesh.indices.size()))];
                     const std::size_t corner = random.below(3);
                     const Vec3 a = mesh.positions[face[corner]],
                                b = mesh.positions[face[(corner + 1) % 3]];
