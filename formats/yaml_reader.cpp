@@ -26,7 +26,9 @@ using scene::quoted;
 constexpr Code kSyntax{350}, kDuplicateKey{351}, kUnclosed{352}, kTab{353}, kSecondDocument{354},
     kEncoding{355}, kEmpty{356}, kUnknownAnchor{357}, kCycle{358}, kBadKey{359}, kBadMerge{360},
     kTag{361};
-constexpr Code kTooLarge{710}, kTooDeep{711}, kTooManyNodes{712}, kNoMemory{703};
+constexpr Code kTooDeep{711}, kTooManyNodes{712}, kNoMemory{703};
+
+constexpr const char* kToAllowMore = "--limit-file allows more";
 
 /// Ends the parse after its error has been reported.
 struct Abandoned {};
@@ -451,7 +453,8 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source, Diagn
     const std::size_t errorsBefore = diagnostics.errorCount();
     try {
         if (source->text.size() > mostBytes(limits)) {
-            diagnostics.error(kTooLarge, {source}, scene::tooLarge(mostBytes(limits)));
+            diagnostics.error(scene::kTooLarge, {source}, scene::tooLarge(mostBytes(limits)),
+                              kToAllowMore);
             return std::nullopt;
         }
         if (source->text.starts_with("\xEF\xBB\xBF")) { // a byte order mark is no part of line 1
@@ -487,7 +490,7 @@ std::optional<Node> parseYaml(std::shared_ptr<const scene::Source> source, Diagn
 
 std::optional<Node> readYaml(const std::string& path, Diagnostics& diagnostics,
                              const scene::Limits& limits) {
-    auto source = scene::readSource(path, mostBytes(limits), diagnostics, {}, "--limit-file");
+    auto source = scene::readSource(path, mostBytes(limits), diagnostics, {}, kToAllowMore);
     return source ? parseYaml(std::move(source), diagnostics, limits) : std::nullopt;
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Code kNoSuchFile{401}, kNotReadable{402}, kNotRegular{403}, kOutside{404}, kTooLarge{710};
+constexpr Code kNoSuchFile{401}, kNotReadable{402}, kNotRegular{403}, kOutside{404};
 
 constexpr const char* kWhyOutside = "lies outside of the folders that --sandbox allows";
 

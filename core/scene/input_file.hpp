@@ -49,6 +49,7 @@ private:
 /// std::bad_alloc, where libstdc++'s directory_iterator would end the program.
 std::vector<std::string> namesIn(const std::string& folder, std::size_t most = SIZE_MAX);
 
+inline constexpr Code kTooLarge{710};
 /// "is larger than 8 MiB, the most that a text file may have"
 std::string tooLarge(std::uint64_t maxBytes);
 
