@@ -40,66 +40,85 @@ std::vector<Closed> closedMeshes() {
     return all;
 }
 
+/// From inside to a corner, or to a point of an edge, of a face; of values that f32 can hold.
+Ray aimedRay(const Mesh& mesh, double reach, bool atEdge, Random& random) {
+    const auto& face = mesh.indices[random.below(static_cast<std::uint32_t>(mesh.indices.size()))];
+    const std::size_t corner = random.below(3);
+    const Vec3 a = mesh.positions[face[corner]], b = mesh.positions[face[(corner + 1) % 3]];
+    Ray ray;
+    ray.origin = inF32(random.inBox(reach));
+    ray.direction = inF32(a + (atEdge ? random.unit() : 0) * (b - a) - ray.origin);
+    return ray;
+}
+
+/// Everything that is asked about one closed mesh.
+class Contest {
+public:
+    explicit Contest(const Mesh& mesh)
+        : subject_(subjectOf(mesh)), tree_(Octree::build(subject_.primitives)) {}
+
+    /// One line.
+    void run(const Closed& closed, bool atEdges, std::uint64_t rays) {
+        Random random(atEdges);
+        std::uint64_t asked = 0, alone = 0, together = 0;
+        [[maybe_unused]] std::uint64_t robust = 0, plain = 0;
+        for (; asked < rays; asked += kBatch) {
+            for (Ray& ray : batch_) ray = aimedRay(subject_.mesh, closed.reach, atEdges, random);
+            for (const Ray& ray : batch_) alone += !tree_.closest(ray);
+            tree_.closest(batch_, hits_, Coherence::coherent);
+            for (const Hit& hit : hits_) together += !hit;
+#ifdef RT_BENCH_EMBREE
+            robust += leaks(robust_);
+            plain += leaks(plain_);
+#endif
+        }
+        const auto number = [](int width, std::uint64_t n) {
+            std::printf(" %*llu", width, static_cast<unsigned long long>(n));
+        };
+        std::printf("%-10s %-9s", closed.name, atEdges ? "edges" : "vertices");
+        number(12, asked);
+        number(10, alone);
+        number(10, together);
+#ifdef RT_BENCH_EMBREE
+        number(14, robust);
+        number(15, plain);
+#endif
+        std::printf("\n");
+        std::fflush(stdout);
+    }
+
+private:
+    static constexpr std::size_t kBatch = 4096;
+    Subject subject_;
+    Octree tree_;
+    std::vector<Ray> batch_ = std::vector<Ray>(kBatch);
+    std::vector<Hit> hits_ = std::vector<Hit>(kBatch);
+#ifdef RT_BENCH_EMBREE
+    std::uint64_t leaks(const EmbreeScene& scene) {
+        for (std::size_t i = 0; i < kBatch; ++i) narrow_[i] = embreeRay(batch_[i]);
+        scene.closest(narrow_.data(), kBatch, found_.data());
+        std::uint64_t n = 0;
+        for (const EmbreeHit& hit : found_) n += hit.id == 0xFFFFFFFF;
+        return n;
+    }
+    EmbreeScene robust_{subject_.mesh, true}, plain_{subject_.mesh, false};
+    std::vector<EmbreeRay> narrow_ = std::vector<EmbreeRay>(kBatch);
+    std::vector<EmbreeHit> found_ = std::vector<EmbreeHit>(kBatch);
+#endif
+};
+
 } // namespace
 
 void measureLeaks(std::uint64_t rays) {
-    constexpr std::size_t kBatch = 4096;
     std::printf("%-10s %-9s %12s %10s %10s %14s %15s\n", "mesh", "aim", "rays", "octree",
                 "octree 16", "Embree robust", "Embree default");
-    for (const Closed& closed : closedMeshes())
-        for (const bool atEdges : {false, true}) {
-            Mesh mesh;
-            mesh.positions = closed.mesh.positions;
-            mesh.indices = closed.mesh.indices;
-            const Subject subject = subjectOf(mesh);
-            const Octree tree = Octree::build(subject.primitives);
-            std::uint64_t alone = 0, together = 0;
-            [[maybe_unused]] std::uint64_t robust = 0, plain = 0;
-#ifdef RT_BENCH_EMBREE
-            const EmbreeScene robustScene(mesh, true), plainScene(mesh, false);
-            std::vector<EmbreeRay> narrow(kBatch);
-            std::vector<EmbreeHit> found(kBatch);
-#endif
-            Random random(atEdges);
-            std::vector<Ray> batch(kBatch);
-            std::vector<Hit> hits(kBatch);
-            std::uint64_t asked = 0;
-            for (; asked < rays; asked += kBatch) {
-                for (Ray& ray : batch) {
-                    const auto& face =
-                        mesh.indices[random.below(static_cast<std::uint32_t>(mesh.indices.size()))];
-                    const std::size_t corner = random.below(3);
-                    const Vec3 a = mesh.positions[face[corner]],
-                               b = mesh.positions[face[(corner + 1) % 3]];
-                    ray.origin = inF32(random.inBox(closed.reach));
-                    ray.direction = inF32(a + (atEdges ? random.unit() : 0) * (b - a) - ray.origin);
-                }
-                for (const Ray& ray : batch) alone += !tree.closest(ray);
-                tree.closest(batch, hits, Coherence::coherent);
-                for (const Hit& hit : hits) together += !hit;
-#ifdef RT_BENCH_EMBREE
-                for (std::size_t i = 0; i < kBatch; ++i) narrow[i] = embreeRay(batch[i]);
-                const auto leaks = [&](const EmbreeScene& scene) {
-                    scene.closest(narrow.data(), kBatch, found.data());
-                    std::uint64_t n = 0;
-                    for (const EmbreeHit& hit : found) n += hit.id == 0xFFFFFFFF;
-                    return n;
-                };
-                robust += leaks(robustScene);
-                plain += leaks(plainScene);
-#endif
-            }
-            std::printf("%-10s %-9s %12llu %10llu %10llu", closed.name,
-                        atEdges ? "edges" : "vertices", static_cast<unsigned long long>(asked),
-                        static_cast<unsigned long long>(alone),
-                        static_cast<unsigned long long>(together));
-#ifdef RT_BENCH_EMBREE
-            std::printf(" %14llu %15llu", static_cast<unsigned long long>(robust),
-                        static_cast<unsigned long long>(plain));
-#endif
-            std::printf("\n");
-            std::fflush(stdout);
-        }
+    for (const Closed& closed : closedMeshes()) {
+        Mesh mesh;
+        mesh.positions = closed.mesh.positions;
+        mesh.indices = closed.mesh.indices;
+        Contest contest(mesh);
+        for (const bool atEdges : {false, true}) contest.run(closed, atEdges, rays);
+    }
 }
 
 } // namespace rt::bench
