@@ -36,14 +36,13 @@ int run(int argc, char** argv) {
             if (i + 1 >= argc) throw std::runtime_error(word + " needs a value");
             return argv[++i];
         };
-        const auto number = [&] {
+        const auto readNumber = [&](auto& to) {
             const std::string text = value();
-            std::uint64_t n = 0;
             const char* const end = text.data() + text.size();
-            if (std::from_chars(text.data(), end, n).ptr != end || n < 1)
+            const auto read = std::from_chars(text.data(), end, to);
+            if (read.ec != std::errc() || read.ptr != end || to < 1)
                 throw std::runtime_error(word + " needs a whole number of at least 1, not '" +
                                          text + "'");
-            return n;
         };
         if (word == "--json")
             options.json = true;
@@ -58,11 +57,11 @@ int run(int argc, char** argv) {
         else if (word == "--physical")
             options.physical = true;
         else if (word == "--rounds")
-            options.rounds = static_cast<int>(number());
+            readNumber(options.rounds);
         else if (word == "--sweep")
             constant = value();
         else if (word == "--leaks")
-            leaks = number();
+            readNumber(leaks);
         else if (word.starts_with("--"))
             throw std::runtime_error("no option " + word);
         else
